@@ -1,0 +1,158 @@
+"""Agents: who picks the parameters. One file a family, all behind ``antgym.tuning.Agent``.
+
+``agents.make("ga")`` builds an agent by name. Names are bound to strings, so a library is imported only when
+an agent that needs it is made. Not part of the wheel: run from a checkout.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from antgym.errors import MissingExtraError, ParameterError, nearest
+
+if TYPE_CHECKING:
+    from antgym.tuning import Agent
+
+
+class Card(NamedTuple):
+    """One agent of the catalogue.
+
+    Attributes:
+        name: what ``make`` takes.
+        entry_point: ``"module:class"``.
+        kwargs: what the class is called with.
+        summary: one line for tables.
+        needs: extra of antgym that holds its libraries, or None.
+        trained: whether it needs a fitted artefact, which ``make`` must be given.
+        libraries: distributions that its results depend on, numpy apart.
+    """
+
+    name: str
+    entry_point: str
+    kwargs: Mapping[str, Any]
+    summary: str
+    needs: str | None = None
+    trained: bool = False
+    libraries: tuple[str, ...] = ()
+
+
+_TRANSFER = "agents.transfer:TransferAgent"
+_CARDS = (
+    Card("uniform_random", "agents.controls:UniformRandom", {}, "one random setting, no trial"),
+    Card("published_default", "agents.controls:PublishedDefault", {}, "the published setting, no trial"),
+    Card("random_search", "agents.controls:RandomSearch", {}, "uniform settings, the best run again"),
+    Card(
+        "ga",
+        "agents.evolutionary:GeneticAlgorithm",
+        {},
+        "genetic algorithm (pymoo), population fitted to the budget",
+        "agents",
+        libraries=("pymoo",),
+    ),
+    Card(
+        "pso",
+        "agents.evolutionary:ParticleSwarm",
+        {},
+        "particle swarm (pymoo), swarm fitted to the budget",
+        "agents",
+        libraries=("pymoo",),
+    ),
+    Card(
+        "optuna_tpe",
+        "agents.bayesian:TreeParzen",
+        {},
+        "tree-structured Parzen estimator (Optuna), in batches",
+        "agents",
+        libraries=("optuna",),
+    ),
+    Card(
+        "transfer_graph",
+        _TRANSFER,
+        {"mode": "sound"},
+        "transfer graph, sound version with guard runs",
+        trained=True,
+    ),
+    Card(
+        "transfer_graph_paper",
+        _TRANSFER,
+        {"mode": "paper"},
+        "transfer graph as liu2020 prints it",
+        trained=True,
+    ),
+    Card("transfer_graph_abs", _TRANSFER, {"mode": "abs"}, "as printed, but with |Λ̂| in (14)", trained=True),
+    Card(
+        "copy_best_source",
+        _TRANSFER,
+        {"mode": "copy"},
+        "the source set that does best on the target",
+        trained=True,
+    ),
+    Card(
+        "mean_of_sources", _TRANSFER, {"mode": "mean"}, "the mean of the source sets, no trial", trained=True
+    ),
+    Card(
+        "rl",
+        "agents.policy:PolicyAgent",
+        {},
+        "frozen policy (stable-baselines3), no trial",
+        "rl",
+        trained=True,
+        libraries=("stable-baselines3", "torch"),
+    ),
+)
+CATALOGUE: dict[str, Card] = {card.name: card for card in _CARDS}
+
+
+def find_card(name: str) -> Card:
+    """Return an agent's card; ParameterError names the nearest known agent."""
+    if name not in CATALOGUE:
+        raise ParameterError(f"unknown agent {name!r}; {nearest(name, tuple(CATALOGUE))}")
+    return CATALOGUE[name]
+
+
+def make(name: str, **overrides: Any) -> "Agent":
+    """Build an agent by name.
+
+    Args:
+        name: a key of ``CATALOGUE``.
+        overrides: arguments of the agent's class; a trained agent needs its artefact here (``graph=``,
+            ``path=``).
+
+    Raises:
+        ParameterError: on an unknown agent, an unknown argument or a missing artefact.
+        MissingExtraError: if the library behind the agent is not installed.
+    """
+    card = find_card(name)
+    module, _, attribute = card.entry_point.partition(":")
+    build = getattr(import_module(module), attribute)
+    kwargs = {**card.kwargs, **overrides}
+    _check_arguments(name, build, kwargs)
+    agent: Agent = build(**kwargs)
+    return agent
+
+
+def versions(name: str) -> dict[str, str]:
+    """Return {distribution: version} of the libraries an agent's results depend on, for ledgers."""
+    card = find_card(name)
+    return {library: _version(library, card) for library in ("numpy", *card.libraries)}
+
+
+def _version(library: str, card: Card) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        raise MissingExtraError(library, card.needs or "agents") from None
+
+
+def _check_arguments(name: str, build: Callable[..., Any], kwargs: Mapping[str, Any]) -> None:
+    parameters = inspect.signature(build).parameters
+    open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+    known = tuple(n for n, p in parameters.items() if p.kind is not p.VAR_KEYWORD)
+    for key in kwargs:
+        if key not in known and not open_ended:
+            raise ParameterError(f"agent {name!r} has no argument {key!r}; {nearest(key, known)}")
+    missing = [n for n in known if parameters[n].default is inspect.Parameter.empty and n not in kwargs]
+    if missing:
+        raise ParameterError(f"agent {name!r} needs {missing[0]}=, the fitted artefact it works with")

@@ -1,0 +1,69 @@
+"""antgym: Gymnasium environments in which an agent picks the parameters of a swarm path planner.
+
+Importing this package registers the environments and imports nothing heavy; names are loaded on first use.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from antgym.envs.catalogue import register_all
+from antgym.errors import AntgymError
+
+if TYPE_CHECKING:
+    from antgym.maps.readers import jacksboro, read_heights
+    from antgym.maps.shaping import voxelise
+    from antgym.maps.suites import load_suite
+    from antgym.maps.world import GridWorld, Scenario
+    from antgym.planners.colony import Colony, plan, plan_many
+    from antgym.planners.parameters import ColonyParameters
+    from antgym.tuning.agent import tune
+    from antgym.tuning.problem import TuningProblem
+    from antgym.tuning.session import Session
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Colony": "antgym.planners.colony",
+    "ColonyParameters": "antgym.planners.parameters",
+    "GridWorld": "antgym.maps.world",
+    "Scenario": "antgym.maps.world",
+    "Session": "antgym.tuning.session",
+    "TuningProblem": "antgym.tuning.problem",
+    "jacksboro": "antgym.maps.readers",
+    "load_suite": "antgym.maps.suites",
+    "plan": "antgym.planners.colony",
+    "plan_many": "antgym.planners.colony",
+    "read_heights": "antgym.maps.readers",
+    "tune": "antgym.tuning.agent",
+    "voxelise": "antgym.maps.shaping",
+}
+
+__all__ = [
+    "AntgymError",
+    "Colony",
+    "ColonyParameters",
+    "GridWorld",
+    "Scenario",
+    "Session",
+    "TuningProblem",
+    "jacksboro",
+    "load_suite",
+    "plan",
+    "plan_many",
+    "read_heights",
+    "tune",
+    "voxelise",
+]
+
+register_all()
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'antgym' has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

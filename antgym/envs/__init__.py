@@ -1,0 +1,1 @@
+"""A paid trial as a Gymnasium environment."""

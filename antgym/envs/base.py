@@ -1,0 +1,183 @@
+"""What every regime shares: how an episode's scenario is drawn, how actions and rewards are read."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antgym.errors import ParameterError, nearest
+from antgym.maps.suites import SPLITS, load_suite
+from antgym.planners.colony import Plans
+from antgym.planners.parameters import ColonyParameters
+from antgym.planners.space import named_values
+from antgym.tuning.observation import bounds, observe
+from antgym.tuning.problem import COST_CAP, Request, TuningProblem
+from antgym.tuning.session import Session, Trial, evaluate_together
+
+REWARDS = ("gap", "length", "improvement")
+Step = tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]
+
+
+class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+    """Base of the regimes. A step is paid, then judged; a batch does the same for many environments at once.
+
+    Args:
+        suite: name of the suite scenarios come from.
+        split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"``.
+        effort: (ants, iterations) for every scenario instead of each scenario's own.
+        reward: ``"gap"``, ``"length"`` or ``"improvement"``.
+        budget: trials an episode pays for.
+        window: trials of its history that the observation shows.
+        render_mode: ``"ansi"``, ``"rgb_array"`` or None.
+        unknown: raises ParameterError naming the nearest valid argument.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 1}
+    arguments = ("suite", "split", "effort", "reward", "render_mode")
+
+    def __init__(
+        self,
+        suite: str,
+        split: str = "train",
+        effort: tuple[int, int] | None = None,
+        reward: str = "gap",
+        *,
+        budget: int = 1,
+        window: int = 0,
+        render_mode: str | None = None,
+        **unknown: Any,
+    ) -> None:
+        for name in unknown:
+            raise ParameterError(f"unknown environment argument {name!r}; {nearest(name, self.arguments)}")
+        for name, value, valid in (("split", split, SPLITS), ("reward", reward, REWARDS)):
+            if value not in valid:
+                raise ParameterError(f"unknown {name} {value!r}; {nearest(str(value), valid)}")
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            valid = tuple(self.metadata["render_modes"])
+            raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
+        self._suite = load_suite(suite, split)
+        self._effort = None if effort is None else _checked_effort(effort)
+        self._reward, self._budget, self._window = reward, budget, window
+        self.render_mode = render_mode
+        dimension = len(ColonyParameters._fields)
+        low, high = bounds(dimension, window=window)
+        self.observation_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (dimension,), np.float32)
+        self._root: int | None = None
+        self._episode = 0
+        self._session: Session | None = None
+        self.planner_runs = 0  # by this environment so far, fresh ones included
+
+    @property
+    def session(self) -> Session:
+        """The current episode's session; ParameterError before the first reset."""
+        if self._session is None:
+            raise ParameterError("the environment has no episode yet; call reset() first")
+        return self._session
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begin an episode; scenario and planner seeds are a pure function of (root seed, episode index).
+
+        Args:
+            seed: root seed; the episode index goes back to 0. Without one, the next episode of the root begins.
+            options: ``{"scenario": index}`` picks a scenario of the split instead of drawing it.
+        """
+        super().reset(seed=seed)
+        if seed is not None or self._root is None:
+            self._root, self._episode = int(self.np_random.integers(2**63)) if seed is None else seed, 0
+        else:
+            self._episode += 1
+        self._session = Session(self._draw(dict(options or {})), self._budget)
+        return self._observe(), self._facts()
+
+    def step(self, action: NDArray[np.float32]) -> Step:
+        """Pay for one setting and judge it."""
+        trials = evaluate_together([self.pay(action)])[0]
+        request = self.judge(trials)
+        return self.conclude(trials, None if request is None else request[0].run(*request[1:]))
+
+    def pay(self, action: ArrayLike) -> tuple[Session, NDArray[np.float64]]:
+        """Return what this action pays for: the session and the (1, d) setting."""
+        if self.session.left == 0:
+            raise ParameterError("the episode is over; call reset()")
+        values = np.asarray(action, dtype=np.float64)
+        if values.shape != self.action_space.shape or not (np.abs(values) <= 1).all():
+            raise ParameterError(f"action {values.tolist()} is no point of {self.action_space}")
+        return self.session, ((values + 1) / 2)[None, :]
+
+    @abstractmethod
+    def judge(self, trials: tuple[Trial, ...]) -> Request | None:
+        """Return the fresh, uncharged runs that the reward needs, or None."""
+
+    @abstractmethod
+    def conclude(self, trials: tuple[Trial, ...], fresh: Plans | None) -> Step:
+        """Return what step() returns."""
+
+    def encode(self, *, alpha: float, beta: float, rho: float, Q: float) -> NDArray[np.float32]:
+        """Return the action of natural values in the current episode; ParameterError outside their ranges."""
+        unit = self.session.problem.space.encode([alpha, beta, rho, Q])[0]
+        return (2 * unit - 1).astype(np.float32)
+
+    def render(self) -> Any:
+        """Return the picture of the last run: a string (``ansi``) or an (h, w, 3) uint8 array (``rgb_array``)."""
+        if self.render_mode is None:
+            raise ParameterError("this environment was made without render_mode; pass 'ansi' or 'rgb_array' to make()")
+        from antgym.envs.render import ansi, rgb_array
+
+        return (ansi if self.render_mode == "ansi" else rgb_array)(self.session)
+
+    def _draw(self, options: dict[str, Any]) -> TuningProblem:
+        assert self._root is not None
+        rng = np.random.default_rng(np.random.SeedSequence(self._root, spawn_key=(self._episode,)))
+        index, planner_seed = int(rng.integers(len(self._suite))), int(rng.integers(2**63))
+        chosen = options.pop("scenario", index)
+        for name in options:
+            raise ParameterError(f"unknown reset option {name!r}; valid: scenario")
+        if not 0 <= chosen < len(self._suite):
+            raise ParameterError(f"scenario {chosen}: this split holds 0 to {len(self._suite) - 1}")
+        item = self._suite[chosen]
+        ants, iterations = self._effort or (item.ants, item.iterations)
+        return TuningProblem(item.scenario, item.rules, ants, iterations, planner_seed)
+
+    def _observe(self) -> NDArray[np.float32]:
+        return observe(self.session.task, self.session.trials, window=self._window)
+
+    def _facts(self) -> dict[str, Any]:
+        problem = self.session.problem
+        return {
+            "scenario": problem.scenario.name,
+            "seed": problem.seed,
+            "ants": problem.ants,
+            "iterations": problem.iterations,
+        }
+
+    def _judged(self, unit: tuple[float, ...], length: float) -> dict[str, Any]:
+        """Return the facts of a run with one setting."""
+        problem = self.session.problem
+        return {
+            **self._facts(),
+            "length": min(length, COST_CAP * problem.scenario.straight_line),
+            "optimum": problem.scenario.optimum,
+            "gap": float(problem.gap(np.array([length]))[0]),
+            "solved": bool(np.isfinite(length)),
+            "parameters": named_values(problem.space, problem.space.decode(unit)[0].tolist()),
+        }
+
+    def _pays(self, length: float, default: Plans | None) -> float:
+        problem = self.session.problem
+        if self._reward == "length":
+            return -float(min(length, COST_CAP * problem.scenario.straight_line))
+        gap = float(problem.gap(np.array([length]))[0])
+        return -gap if default is None else float(problem.gap(default.lengths)[0]) - gap
+
+
+def _checked_effort(effort: tuple[int, int]) -> tuple[int, int]:
+    values = tuple(effort)
+    if len(values) != 2 or any(int(v) != v or v < 1 for v in values):
+        raise ParameterError(f"effort = {effort}: needs (ants, iterations), two whole numbers of at least 1")
+    return int(values[0]), int(values[1])

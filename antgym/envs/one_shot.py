@@ -1,0 +1,84 @@
+"""OneShot: a contextual bandit; one choice, one planner run."""
+
+from typing import Any
+
+import numpy as np
+
+from antgym.envs.base import Step, TuningEnv
+from antgym.planners.colony import Plans
+from antgym.tuning.problem import FRESH, Request
+from antgym.tuning.session import Trial
+
+
+class OneShotEnv(TuningEnv):
+    """Choose the parameters of an ant colony once, for a map it has not walked yet.
+
+    ## Description
+    A scenario of the suite is drawn: a 3D world under mountains, a start, a goal, and an effort (ants and
+    iterations). The agent sees features of it and picks (α, β, ρ, Q); the layered colony of liu2020 runs once; the
+    reward is how close its path comes to the exact optimum. It is hard because the best setting depends on the map
+    and on the effort, and because a run is noisy.
+
+    ## Action Space
+    `Box(-1, 1, (4,), float32)`: α, β, ρ, Q, each from its low end (-1) over the published default (0) to its high
+    end (1), on the parameter's own scale. `info["parameters"]` gives natural values, `encode()` the way back.
+
+    {actions}
+
+    Q's range is κ = Q / straight line from start to goal, shown for a straight line of 1.
+
+    ## Observation Space
+    `Box(float32)`: the features of the task; nothing in them depends on the optimum.
+
+    {observations}
+
+    ## Rewards
+    - `"gap"` (default): −min(gap, 1) in [−1, 0], gap = (L − L*) / L*; a run without a path pays −1.
+    - `"length"`: −L in world units; a run without a path pays −10 times the straight line.
+    - `"improvement"`: min(gap of the published default, 1) − min(gap, 1) in [−1, 1], the default on a fresh run.
+
+    ## Starting State
+    Scenario and planner seed are a pure function of (root seed, episode index). `reset(options={{"scenario": i}})`
+    picks the i-th scenario of the split.
+
+    ## Episode End
+    1. Termination: after one step.
+    2. Truncation: never.
+
+    ## Information
+    `reset`: `scenario`, `seed`, `ants`, `iterations`. `step` adds `length` (10 straight lines where
+    unsolved), `optimum`, `gap` (1 where unsolved), `solved`, `parameters`. `env.unwrapped.planner_runs` counts every planner run so far.
+
+    ## Arguments
+    | name | default | meaning |
+    |---|---|---|
+    | `suite` | `"mountain-v0"` | where scenarios come from |
+    | `split` | `"train"` | `train`, `validation`, `test` or `ood` (real terrain) |
+    | `effort` | `None` | `[ants, iterations]` for every scenario instead of its own |
+    | `reward` | `"gap"` | see above |
+    | `render_mode` | `None` | `"ansi"` or `"rgb_array"` |
+
+    ```python
+    import gymnasium, antgym
+    env = gymnasium.make("antgym/MountainOneShot-v0", split="test", effort=[10, 20])
+    ```
+
+    ## Version History
+    * v0: first release (not frozen yet)
+
+    ## References
+    liu2020: a layered ant colony in 3D and a parameter-transfer graph, equations (1)-(8).
+    """
+
+    def judge(self, trials: tuple[Trial, ...]) -> Request | None:
+        """A run of the published default, where the reward compares with it."""
+        if self._reward != "improvement":
+            return None
+        return self.session.problem, np.full((1, len(trials[0].unit)), 0.5), FRESH, 0
+
+    def conclude(self, trials: tuple[Trial, ...], fresh: Plans | None) -> Step:
+        """End the episode with the run's own length."""
+        self.planner_runs += 1 if fresh is None else 2
+        length = self.session.lengths[-1]
+        info: dict[str, Any] = self._judged(trials[-1].unit, length)
+        return self._observe(), self._pays(length, fresh), True, False, info

@@ -1,0 +1,131 @@
+"""The native batch: N environments whose planner runs are one call."""
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from antgym.envs.base import TuningEnv
+from antgym.errors import ParameterError, nearest
+from antgym.tuning.problem import run_together
+from antgym.tuning.session import evaluate_together
+
+_SLOT = 7  # seed domain of the slots of a batch
+
+
+def env_seeds(root: int, count: int) -> list[int]:
+    """Return the seeds with which the slots of a batch, each alone, repeat their trajectories; never root + i."""
+    children = (np.random.SeedSequence(root, spawn_key=(_SLOT, i)) for i in range(count))
+    return [int(child.generate_state(1, np.uint64)[0] >> 1) for child in children]
+
+
+class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+    """N tuning environments stepped together; each slot repeats a single environment with its seed.
+
+    Args:
+        envs: the slots, all of one kind.
+        autoreset_mode: when a finished slot begins its next episode. SAME_STEP wastes no step where episodes have
+            one step; NEXT_STEP answers the step after the end with the new episode and reward 0; DISABLED leaves
+            it to ``reset(options={"reset_mask": mask})``.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = dict(TuningEnv.metadata)
+
+    def __init__(self, envs: Sequence[TuningEnv], autoreset_mode: AutoresetMode) -> None:
+        self.envs, self.num_envs = list(envs), len(envs)
+        self.metadata = {**TuningEnv.metadata, "autoreset_mode": autoreset_mode}
+        self.mode = autoreset_mode
+        self.render_mode = self.envs[0].render_mode
+        self.single_action_space = self.envs[0].action_space
+        self.single_observation_space = self.envs[0].observation_space
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._observations = np.zeros(self.observation_space.shape or (), np.float32)
+        self._over = np.zeros(self.num_envs, bool)
+
+    @property
+    def planner_runs(self) -> int:
+        """Planner runs of all slots so far."""
+        return sum(env.planner_runs for env in self.envs)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begin an episode in every slot, or in those of ``options["reset_mask"]``.
+
+        Args:
+            seed: root seed (slot i gets ``env_seeds(seed, n)[i]``), or one seed a slot, or None to go on.
+            options: ``reset_mask``, (n,) bool, and what the single environment's reset takes.
+        """
+        options = dict(options or {})
+        mask = np.asarray(options.pop("reset_mask", np.ones(self.num_envs, bool)), dtype=bool)
+        seeds = env_seeds(seed, self.num_envs) if isinstance(seed, int) else list(seed or [None] * self.num_envs)
+        if len(seeds) != self.num_envs or mask.shape != (self.num_envs,):
+            raise ParameterError(f"{len(seeds)} seeds and a mask of {mask.shape} for {self.num_envs} environments")
+        infos: dict[str, Any] = {}
+        for i in np.flatnonzero(mask):
+            self._begin(int(i), infos, seeds[i], options)
+        return self._observations.copy(), infos
+
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Pay for every slot's setting in one planner call, judge them in another where rewards need it."""
+        rewards, ends = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+        infos: dict[str, Any] = {}
+        if self.mode is AutoresetMode.DISABLED and self._over.any():
+            raise ParameterError(f"slots {np.flatnonzero(self._over).tolist()} are over; reset them by reset_mask")
+        waiting = self._over.copy()
+        for i in np.flatnonzero(waiting):
+            self._begin(int(i), infos)
+        slots = [int(i) for i in np.flatnonzero(~waiting)]
+        for i, outcome in zip(slots, self._run(slots, actions), strict=True):
+            self._observations[i], rewards[i], ends[i], _, info = outcome
+            if ends[i] and self.mode is AutoresetMode.SAME_STEP:
+                infos = self._add_info(infos, {"final_obs": self._observations[i].copy(), "final_info": info}, i)
+                self._begin(i, infos)
+            else:
+                infos = self._add_info(infos, info, i)
+                self._over[i] = ends[i]
+        return self._observations.copy(), rewards, ends, np.zeros(self.num_envs, bool), infos
+
+    def _begin(self, i: int, infos: dict[str, Any], seed: int | None = None, options: dict[str, Any] | None = None) -> None:
+        self._observations[i], info = self.envs[i].reset(seed=seed, options=options)
+        self._over[i] = False
+        self._add_info(infos, info, i)
+
+    def _run(self, slots: list[int], actions: NDArray[np.float32]) -> list[Any]:
+        trials = evaluate_together([self.envs[i].pay(actions[i]) for i in slots])
+        requests = [self.envs[i].judge(t) for i, t in zip(slots, trials, strict=True)]
+        fresh = iter(run_together([request for request in requests if request is not None]))
+        plans = [None if request is None else next(fresh) for request in requests]
+        return [self.envs[i].conclude(t, p) for i, t, p in zip(slots, trials, plans, strict=True)]
+
+
+def make_one_shot(num_envs: int = 1, autoreset_mode: AutoresetMode | str | None = None, **kwargs: Any) -> NativeVectorEnv:
+    """Entry point of ``gymnasium.make_vec`` for OneShot; SAME_STEP by default, NEXT_STEP would waste every other step."""
+    from antgym.envs.one_shot import OneShotEnv
+
+    mode = _mode(autoreset_mode, AutoresetMode.SAME_STEP)
+    return NativeVectorEnv([OneShotEnv(**kwargs) for _ in range(num_envs)], mode)
+
+
+def make_trials(num_envs: int = 1, autoreset_mode: AutoresetMode | str | None = None, **kwargs: Any) -> NativeVectorEnv:
+    """Entry point of ``gymnasium.make_vec`` for Trials; NEXT_STEP by default, as Gymnasium's own."""
+    from antgym.envs.trials import TrialsEnv
+
+    mode = _mode(autoreset_mode, AutoresetMode.NEXT_STEP)
+    return NativeVectorEnv([TrialsEnv(**kwargs) for _ in range(num_envs)], mode)
+
+
+def _mode(value: AutoresetMode | str | None, default: AutoresetMode) -> AutoresetMode:
+    if value is None:
+        return default
+    valid = tuple(mode.value for mode in AutoresetMode)
+    if not isinstance(value, AutoresetMode) and value not in valid:
+        raise ParameterError(f"unknown autoreset_mode {value!r}; {nearest(str(value), valid)}")
+    return AutoresetMode(value)

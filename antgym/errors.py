@@ -1,0 +1,41 @@
+"""The one exception family of antgym: whatever is wrong with an input is said once, at the border."""
+
+
+class AntgymError(ValueError):
+    """An input that antgym cannot use; the message names the value, the place and the way out."""
+
+
+class MapError(AntgymError):
+    """A map, a height field or a map file that cannot be used."""
+
+
+class ScenarioError(AntgymError):
+    """A start or goal that is blocked, outside or equal, or a goal that no path reaches."""
+
+
+class ParameterError(AntgymError):
+    """A planner parameter, action or setting outside its range, or an unknown name."""
+
+
+class BudgetError(AntgymError):
+    """A budget that is not positive, or an attempt to spend what is already spent."""
+
+
+class LedgerError(AntgymError):
+    """A ledger that is damaged, in use, or that does not fit the run that wants to resume it."""
+
+
+class MissingExtraError(AntgymError, ImportError):
+    """An optional dependency that is not installed."""
+
+    def __init__(self, package: str, extra: str) -> None:
+        super().__init__(f'{package} is not installed; mend it with: pip install "antgym[{extra}]"')
+
+
+def nearest(name: str, known: "list[str] | tuple[str, ...]") -> str:
+    """Return the clause that ends an unknown-name message: the nearest valid name and the whole list."""
+    import difflib
+
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return f"{hint}valid: {', '.join(known)}"

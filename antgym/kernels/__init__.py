@@ -1,0 +1,51 @@
+"""Compiled kernels: pure functions, arrays and scalars in and out; the only home of numba.
+
+Numba's on-disk cache notices an edit of the file a function lives in, not of the files it calls. So the cache
+folder is named by a hash of all kernel sources: an edit anywhere here starts an empty folder.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def sources_hash() -> str:
+    """Return the hash of every kernel source file, 16 hex digits."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cache_folder() -> str:
+    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "antgym"
+    root = Path(os.environ.get("NUMBA_CACHE_DIR", default))
+    return str(root / f"kernels-{sources_hash()}")
+
+
+_CACHE_FOLDER = _cache_folder()
+
+
+def kernel(function: _Function) -> _Function:
+    """Compile a function without the GIL and without fastmath, cached in the folder of these sources.
+
+    Numba reads its cache folder from a global setting when a function is decorated; it is put back at once, so
+    that the user's own functions are cached where they always were.
+    """
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _CACHE_FOLDER
+    try:
+        return numba.njit(function, nogil=True, cache=True, error_model="numpy")  # type: ignore[no-any-return]
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def inlined(function: _Function) -> _Function:
+    """Compile a small function that the kernels call in their inner loops."""
+    return numba.njit(function, nogil=True, forceinline=True, error_model="numpy")  # type: ignore[no-any-return]

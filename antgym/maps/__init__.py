@@ -1,0 +1,1 @@
+"""What the world is: worlds, scenarios, and where they come from."""

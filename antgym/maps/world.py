@@ -1,0 +1,150 @@
+"""Worlds and scenarios: a 0/1 grid with a cell size, and a start and a goal in it under a motion rule."""
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antgym.errors import MapError, ScenarioError
+from antgym.maps.motion import REACH, Motion
+
+PAD = REACH  # blocked border cells around y and z, so that no move needs a bounds check
+Cell = tuple[int, int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class GridWorld:
+    """A box of equal cells, each free (1) or blocked (0).
+
+    Args:
+        free: (nx, ny, nz) array of 0/1 or bool; copied.
+        cell: edge lengths of a cell along x, y, z in world units (any unit; lengths come out in it).
+
+    Raises:
+        MapError: if the array is not three-dimensional, is empty or holds anything but 0 and 1, or if a cell
+            edge is not positive and finite.
+    """
+
+    free: NDArray[np.uint8]
+    cell: tuple[float, float, float] = (15.0, 15.0, 15.0)
+    storage: NDArray[np.uint8] = field(init=False, repr=False)
+    """(nx, ny + 2 PAD, nz + 2 PAD) uint8, C order: what the kernels read; ``free`` is a view into it."""
+
+    def __post_init__(self) -> None:
+        free = np.asarray(self.free)
+        if free.ndim != 3 or free.size == 0:
+            raise MapError(f"a world is a non-empty (nx, ny, nz) array, got shape {free.shape}")
+        if free.dtype != np.bool_ and not (((free == 0) | (free == 1)).all()):
+            raise MapError("a world holds only 0 (blocked) and 1 (free); threshold it first, or use voxelise()")
+        cell = tuple(float(edge) for edge in self.cell)
+        if len(cell) != 3 or not all(np.isfinite(edge) and edge > 0 for edge in cell):
+            raise MapError(f"cell edges must be three positive numbers (x, y, z), got {self.cell}")
+        nx, ny, nz = free.shape
+        storage = np.zeros((nx, ny + 2 * PAD, nz + 2 * PAD), dtype=np.uint8)
+        storage[:, PAD : PAD + ny, PAD : PAD + nz] = free
+        storage.setflags(write=False)
+        object.__setattr__(self, "storage", storage)
+        object.__setattr__(self, "free", storage[:, PAD : PAD + ny, PAD : PAD + nz])
+        object.__setattr__(self, "cell", cell)
+
+    @property
+    def shape(self) -> Cell:
+        """Cells along x, y, z."""
+        nx, ny, nz = self.free.shape
+        return nx, ny, nz
+
+    @cached_property
+    def free_count(self) -> int:
+        """Number of free cells."""
+        return int(np.count_nonzero(self.free))
+
+    def centre(self, cells: ArrayLike) -> NDArray[np.float64]:
+        """Return the centres of cells, (..., 3) in world units, the corner of cell (0, 0, 0) at the origin."""
+        return (np.asarray(cells, dtype=np.float64) + 0.5) * np.asarray(self.cell)
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """One planning question: a world, a start, a goal and the motion rule between them.
+
+    Args:
+        world: the grid.
+        start: (x, y, z) cell indices; must be free.
+        goal: (x, y, z) cell indices; must be free and, under the layered motion, in a later layer.
+        motion: the motion rule; the exact optimum is exact under it.
+        name: how tables call it; agents never see it.
+
+    Raises:
+        ScenarioError: if start or goal is outside, blocked or equal, or the goal is out of the motion's reach.
+    """
+
+    world: GridWorld
+    start: Cell
+    goal: Cell
+    motion: Motion = Motion()
+    name: str = "unnamed"
+
+    def __post_init__(self) -> None:
+        for label in ("start", "goal"):
+            cell = tuple(int(i) for i in getattr(self, label))
+            object.__setattr__(self, label, cell)
+            _require_free(self.world, cell, label)
+        (xs, ys, zs), (xg, yg, zg) = self.start, self.goal
+        if self.start == self.goal:
+            raise ScenarioError(f"start and goal are the same cell {self.start}; choose two")
+        if xg <= xs:
+            raise ScenarioError(f"the layered motion advances along x: goal {self.goal} must lie in a later layer "
+                                f"than start {self.start}; swap them or rotate the world")
+        if max(abs(yg - ys), abs(zg - zs)) > REACH * (xg - xs):
+            raise ScenarioError(f"goal {self.goal} is out of reach of start {self.start}: {xg - xs} layers allow "
+                                f"{REACH * (xg - xs)} cells along y and z")
+
+    @property
+    def layers(self) -> int:
+        """Number of moves of every path."""
+        return self.goal[0] - self.start[0]
+
+    @property
+    def straight_line(self) -> float:
+        """Euclidean distance from start to goal in world units, obstacles ignored."""
+        first, last = self.world.centre([self.start, self.goal])
+        return float(np.sqrt(((last - first) ** 2).sum()))
+
+    @cached_property
+    def optimum(self) -> float:
+        """Exact shortest length under ``motion`` in world units; raises ScenarioError where no path exists."""
+        from antgym.maps.optimum import shortest_length
+
+        return shortest_length(self)
+
+    @cached_property
+    def descriptors(self) -> NDArray[np.float32]:
+        """The features of :func:`antgym.maps.features.describe`, computed once."""
+        from antgym.maps.features import describe
+
+        descriptors = describe(self)
+        descriptors.setflags(write=False)
+        return descriptors
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of everything that defines the question (name excluded), 64 hex digits."""
+        text = f"{self.world.shape}{self.world.cell}{self.start}{self.goal}{tuple(self.motion)}"
+        return hashlib.sha256(text.encode() + np.packbits(self.world.free).tobytes()).hexdigest()
+
+    def with_motion(self, motion: Motion) -> "Scenario":
+        """Return the same question under another motion rule."""
+        return replace(self, motion=motion)
+
+
+def _require_free(world: GridWorld, cell: tuple[int, ...], label: str) -> None:
+    if len(cell) != 3 or not all(0 <= i < n for i, n in zip(cell, world.shape, strict=False)):
+        raise ScenarioError(f"{label} {cell} lies outside the world of {world.shape} cells (indices from 0)")
+    if not world.free[cell]:
+        open_cells = np.argwhere(world.free)
+        if not len(open_cells):
+            raise ScenarioError(f"{label} {cell} is blocked, and so is every cell of the world")
+        near = open_cells[np.abs(open_cells - np.array(cell)).sum(axis=1).argmin()]
+        raise ScenarioError(f"{label} {cell} is blocked; the nearest free cell is {tuple(near.tolist())}")

@@ -1,0 +1,99 @@
+"""Buffers of the ant kernel: one set a thread, reused from plan to plan, grown when a plan visits more nodes."""
+
+import threading
+from typing import NamedTuple
+
+import numpy as np
+
+from antgym.kernels import ants
+
+_FIRST_ROWS = 2048
+_FAR = 1 << 40  # a padded slot moves out of every reach
+
+
+class Buffers(NamedTuple):
+    """What :func:`antgym.kernels.ants.advance` works in."""
+
+    moves: ants.Moves
+    nodes: ants.Nodes
+    trail: ants.Trail
+
+
+def new_buffers(rows: int, colony: int, edges: int, layers: int) -> Buffers:
+    """Return empty buffers for ``rows`` visited nodes, a colony of ants, and edges = layers · ants."""
+    far = np.full(ants.WIDTH, _FAR)
+    moves = ants.Moves(
+        dy=far,
+        dz=far.copy(),
+        crossed=np.zeros((3, ants.WIDTH), np.int64),
+        along_y=np.zeros(ants.WIDTH, np.float32),
+        along_z=np.zeros(ants.WIDTH, np.float32),
+        step=np.ones(ants.WIDTH, np.float32),
+        level=np.zeros(ants.WIDTH, np.float32),
+        length=np.ones(ants.WIDTH),
+    )
+    return Buffers(moves, _new_nodes(rows), _new_trail(colony, edges, layers))
+
+
+def with_more_rows(buffers: Buffers) -> Buffers:
+    """Return buffers with twice the rows and the same contents."""
+    old, count = buffers.nodes, int(buffers.trail.status[ants.ROWS])
+    nodes = _new_nodes(2 * len(old.cell))
+    for name in set(ants.Nodes._fields) - {"table", "scratch"}:
+        getattr(nodes, name)[:count] = getattr(old, name)[:count]
+    ants.rehash(nodes, count)
+    return buffers._replace(nodes=nodes)
+
+
+class Workspace(threading.local):
+    """The buffers of the calling thread."""
+
+    buffers: Buffers | None = None
+
+    def reserve(self, colony: int, edges: int, layers: int) -> Buffers:
+        """Return this thread's buffers, grown to fit every run of a batch."""
+        old = self.buffers
+        if old is None:
+            self.buffers = new_buffers(max(_FIRST_ROWS, 2 * edges), colony, edges, layers)
+        elif len(old.trail.row) < colony or len(old.trail.edge) < edges or len(old.trail.best_edge) < layers:
+            sizes = (len(old.trail.row), len(old.trail.edge), len(old.trail.best_edge))
+            trail = _new_trail(*np.maximum(sizes, (colony, edges, layers)).tolist())
+            nodes = _new_nodes(max(len(old.nodes.cell), 2 * edges))
+            self.buffers = old._replace(nodes=nodes, trail=trail)
+        assert self.buffers is not None
+        return self.buffers
+
+
+def _new_nodes(rows: int) -> ants.Nodes:
+    slots = (rows, ants.WIDTH)
+    return ants.Nodes(
+        cell=np.empty(rows, np.int64),
+        place=np.empty(rows, np.int64),
+        eta=np.empty(slots, np.float32),
+        tau=np.empty(slots, np.float64),
+        weight=np.empty(slots, np.float32),
+        sums=np.empty(slots, np.float32),
+        child=np.empty(slots, np.int32),
+        mark=np.empty(rows, np.int64),
+        peak=np.empty(rows, np.float32),
+        top=np.empty(rows, np.float32),
+        greedy=np.empty(rows, np.int32),
+        state=np.empty(rows, np.uint8),
+        table=np.zeros(1 << (2 * rows - 1).bit_length(), np.int32),
+        scratch=np.zeros((2, ants.WIDTH), np.float32),
+    )
+
+
+def _new_trail(colony: int, edges: int, layers: int) -> ants.Trail:
+    return ants.Trail(
+        row=np.empty(colony, np.int64),
+        length=np.empty(colony),
+        edge=np.empty(edges, np.int32),
+        best_edge=np.empty(layers, np.int32),
+        due=np.empty(edges, np.int32),
+        wide=np.empty(edges, np.float64),
+        narrow=np.empty(edges, np.float32),
+        weight=np.empty(edges, np.float32),
+        status=np.zeros(ants.STATUS_SIZE, np.int64),
+        levels=np.zeros(ants.LEVEL_SIZE),
+    )

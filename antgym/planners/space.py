@@ -1,0 +1,126 @@
+"""Parameter spaces: the unit cube agents search, mapped to natural values with the default in the middle."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antgym.errors import ParameterError, nearest
+
+Floats = NDArray[np.float64]
+_SCALES: dict[str, tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]] = {
+    "linear": (lambda x: x, lambda t: t),
+    "log": (np.log, np.exp),
+    "logit": (lambda x: np.log(x / (1 - x)), lambda t: 1 / (1 + np.exp(-t))),
+}
+
+
+class Parameter(NamedTuple):
+    """One dimension of a space; ``scale`` is ``"linear"``, ``"log"`` or ``"logit"``."""
+
+    name: str
+    low: float
+    default: float
+    high: float
+    scale: str = "linear"
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class ParameterSpace:
+    """An ordered set of parameters.
+
+    The map from the unit interval to natural values is monotone and, on the parameter's scale, linear in two
+    pieces: 0 is the low end, 1/2 the published default, 1 the high end.
+
+    Raises:
+        ParameterError: if a parameter has no room (low < default < high is required), an unknown scale, or bounds
+            its scale cannot take.
+    """
+
+    parameters: tuple[Parameter, ...]
+
+    def __post_init__(self) -> None:
+        for p in self.parameters:
+            if p.scale not in _SCALES:
+                raise ParameterError(f"{p.name}: unknown scale {p.scale!r}; {nearest(p.scale, tuple(_SCALES))}")
+            if not p.low < p.default < p.high:
+                raise ParameterError(f"{p.name}: needs low < default < high, got {p.low}, {p.default}, {p.high}")
+            if (p.scale != "linear" and p.low <= 0) or (p.scale == "logit" and p.high >= 1):
+                raise ParameterError(f"{p.name}: bounds {p.low}, {p.high} do not fit the {p.scale} scale")
+
+    def __len__(self) -> int:
+        return len(self.parameters)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameter names in order."""
+        return tuple(p.name for p in self.parameters)
+
+    @property
+    def default(self) -> Floats:
+        """Natural default values, (d,)."""
+        return np.array([p.default for p in self.parameters])
+
+    def check(self, units: ArrayLike) -> Floats:
+        """Return settings as a (k, d) float64 array; ParameterError unless all lie in [0, 1]."""
+        array = np.atleast_2d(np.asarray(units, dtype=np.float64))
+        if array.ndim != 2 or array.shape[1] != len(self):
+            raise ParameterError(f"settings must have shape (k, {len(self)}) for {self.names}, got {array.shape}")
+        if not ((array >= 0) & (array <= 1)).all():
+            row, column = np.argwhere(~((array >= 0) & (array <= 1)))[0]
+            raise ParameterError(
+                f"setting {row}: {self.names[column]} = {array[row, column]} lies outside the unit interval [0, 1]; "
+                "clip it, or encode natural values with space.encode()"
+            )
+        return array
+
+    def decode(self, units: ArrayLike) -> Floats:
+        """Map (k, d) settings in [0, 1] to natural values, (k, d) float64."""
+        array = self.check(units)
+        columns = [_decode(p, array[:, i]) for i, p in enumerate(self.parameters)]
+        return np.stack(columns, axis=1)
+
+    def encode(self, naturals: ArrayLike) -> Floats:
+        """Map natural values (k, d) to [0, 1]; ParameterError naming a value outside its range."""
+        array = np.atleast_2d(np.asarray(naturals, dtype=np.float64))
+        if array.shape[1] != len(self):
+            raise ParameterError(f"need {len(self)} values {self.names} a row, got {array.shape[1]}")
+        return np.stack([_encode(p, array[:, i]) for i, p in enumerate(self.parameters)], axis=1)
+
+    def sample(self, rng: np.random.Generator, count: int) -> Floats:
+        """Return (count, d) settings drawn uniformly from the unit cube."""
+        return rng.random((count, len(self)))
+
+    def to_markdown(self) -> str:
+        """Return the table that docstrings and the README show."""
+        rows = ["| num | parameter | low | default | high | scale | meaning |", "|---|---|---|---|---|---|---|"]
+        for i, p in enumerate(self.parameters):
+            rows.append(f"| {i} | {p.name} | {p.low:g} | {p.default:g} | {p.high:g} | {p.scale} | {p.meaning} |")
+        return "\n".join(rows)
+
+
+def named_values(space: ParameterSpace, values: Sequence[float]) -> dict[str, float]:
+    """Return {name: value} as plain floats."""
+    return {name: float(value) for name, value in zip(space.names, values, strict=True)}
+
+
+def _knots(p: Parameter) -> Floats:
+    return _SCALES[p.scale][0](np.array([p.low, p.default, p.high]))
+
+
+def _decode(p: Parameter, units: Floats) -> Floats:
+    natural = _SCALES[p.scale][1](np.interp(units, [0.0, 0.5, 1.0], _knots(p)))
+    # the three knots are exact, whatever exp(log(x)) rounds to
+    for unit, value in ((0.0, p.low), (0.5, p.default), (1.0, p.high)):
+        natural = np.where(units == unit, value, natural)
+    return np.clip(natural, p.low, p.high)
+
+
+def _encode(p: Parameter, naturals: Floats) -> Floats:
+    outside = ~((naturals >= p.low) & (naturals <= p.high))
+    if outside.any():
+        raise ParameterError(f"{p.name} = {naturals[outside][0]:g} lies outside its range [{p.low:g}, {p.high:g}]")
+    return np.interp(_SCALES[p.scale][0](naturals), _knots(p), [0.0, 0.5, 1.0])

@@ -1,0 +1,50 @@
+"""What an agent sees, as a vector: one function for environments and policies."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antgym.tuning.features import TASK_FEATURES
+from antgym.tuning.problem import COST_CAP, Task
+from antgym.tuning.session import Trial, incumbent
+
+
+def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDArray[np.float32]:
+    """Return the observation of a task after some trials, float32.
+
+    Args:
+        task: the task.
+        trials: what has been paid for so far.
+        window: how many of the last trials to show; 0 shows the features alone.
+
+    Returns:
+        features; and for ``window`` > 0: the share of the budget left, the incumbent's setting and cost, then
+        per trial of the window, latest first: its setting and cost and a 1 (all 0 where there is none yet).
+        Costs are shown as log(cost) / log(COST_CAP); see :func:`bounds` for the range of every entry.
+    """
+    if window == 0:
+        return task.features.copy()
+    d = len(task.space)
+    history = np.zeros((window, d + 2))
+    for row, trial in zip(history, reversed(trials[-window:]), strict=False):
+        row[:] = (*trial.unit, _shown(trial.cost), 1.0)
+    best = np.zeros(d + 1)
+    if trials:
+        unit, cost = incumbent(trials)
+        best[:] = (*unit, _shown(cost))
+    left = (task.budget - len(trials)) / task.budget
+    return np.concatenate([task.features, [left], best, history.ravel()]).astype(np.float32)
+
+
+def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return (low, high) of :func:`observe` for a space of ``dimension`` parameters."""
+    low, high = [f.low for f in TASK_FEATURES], [f.high for f in TASK_FEATURES]
+    if window:
+        extra = 1 + dimension + 1 + window * (dimension + 2)
+        low, high = low + [0.0] * extra, high + [1.0] * extra
+    return np.array(low, dtype=np.float32), np.array(high, dtype=np.float32)
+
+
+def _shown(cost: float) -> float:
+    return float(np.clip(np.log(cost) / np.log(COST_CAP), 0.0, 1.0))

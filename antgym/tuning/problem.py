@@ -1,0 +1,131 @@
+"""A tuning problem, as the harness holds it, and the task, which is all of it that an agent may see."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antgym.errors import BudgetError, ParameterError
+from antgym.maps.world import Scenario
+from antgym.planners.colony import Plans, plan_many
+from antgym.planners.rules import find_rules
+from antgym.planners.space import ParameterSpace
+from antgym.tuning.features import task_features
+
+COST_CAP = 10.0
+"""Cost of a run that found no path; also the cap of every other cost."""
+GAP_CAP = 1.0
+"""Gap of a run that found no path; also the cap of every other gap where gaps are averaged."""
+TRIAL, FRESH = 0, 1  # seed domains: what an agent pays for, and what the harness alone runs
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """All that an agent may see of a problem: no name, no path, no optimum.
+
+    Attributes:
+        space: the parameters to choose.
+        features: (len(FEATURES) + 2,) float32, the scenario's descriptors and the two of the effort, bounded.
+        ants: ants per iteration.
+        iterations: iterations per planner run.
+        budget: trials the agent may pay for; 0 for a zero-shot recommendation.
+    """
+
+    space: ParameterSpace
+    features: NDArray[np.float32]
+    ants: int
+    iterations: int
+    budget: int
+
+
+@dataclass(frozen=True, eq=False)
+class TuningProblem:
+    """A scenario, a rule and an effort; the harness's side of a task.
+
+    Args:
+        scenario: what is planned.
+        rules: name of the colony's rules.
+        ants: ants per iteration, ≥ 1.
+        iterations: iterations per run, ≥ 1.
+        seed: root of every planner seed of this problem.
+
+    Raises:
+        ParameterError: on unknown rules or an effort below one.
+    """
+
+    scenario: Scenario
+    rules: str = "liu2020"
+    ants: int = 20
+    iterations: int = 50
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        find_rules(self.rules)
+        for name in ("ants", "iterations"):
+            if getattr(self, name) < 1:
+                raise ParameterError(f"{name} = {getattr(self, name)}: a run needs at least one")
+
+    @cached_property
+    def space(self) -> ParameterSpace:
+        """The rule's parameters, Q scaled to this scenario's straight line."""
+        rules = find_rules(self.rules)
+        return rules.ranges.space(self.scenario.straight_line, rules.initial_pheromone)
+
+    def task(self, budget: int) -> Task:
+        """Return what an agent may see; BudgetError where the budget is negative."""
+        if budget < 0:
+            raise BudgetError(f"budget = {budget}: must be 0 (zero-shot) or the number of trials to pay for")
+        features = task_features(self.scenario, self.ants, self.iterations)
+        return Task(self.space, features, self.ants, self.iterations, budget)
+
+    def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
+        """Return planner seeds, a pure function of (seed, domain, index), by SeedSequence children."""
+        keys = ((domain, index) for index in range(first, first + count))
+        states = [np.random.SeedSequence(self.seed, spawn_key=key).generate_state(1, np.uint64)[0] for key in keys]
+        return np.array(states, dtype=np.uint64)
+
+    def run(self, units: NDArray[np.float64], domain: int, first: int) -> Plans:
+        """Run settings on the seeds ``first`` onwards of a domain; the harness's way, charged to nobody."""
+        return run_together([(self, units, domain, first)])[0]
+
+    def fresh(self, unit: NDArray[np.float64], count: int) -> Plans:
+        """Run one setting on ``count`` seeds that no trial uses."""
+        return self.run(np.repeat(self.space.check(unit), count, axis=0), FRESH, 0)
+
+    def cost(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return length / straight-line distance, COST_CAP at most and where there is no path."""
+        return np.minimum(lengths / self.scenario.straight_line, COST_CAP)
+
+    def gap(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (length - optimum) / optimum, GAP_CAP at most and where there is no path.
+
+        Raises:
+            AssertionError: on a length below the exact optimum, which would be a bug of the planner.
+        """
+        optimum = self.scenario.optimum
+        if (lengths < optimum).any():
+            raise AssertionError(f"{self.scenario.name}: length {lengths.min()} below the exact optimum {optimum}")
+        return np.minimum(lengths / optimum - 1.0, GAP_CAP)
+
+
+Request = tuple[TuningProblem, NDArray[np.float64], int, int]
+"""(problem, (k, d) settings, seed domain, index of the first seed)"""
+
+
+def run_together(requests: list[Request]) -> list[Plans]:
+    """Run the settings of several problems in one planner call; the only caller of the planner above it."""
+    counts = [len(units) for _, units, _, _ in requests]
+    problems = [p for (p, _, _, _), count in zip(requests, counts, strict=True) for _ in range(count)]
+    if not problems:
+        return []
+    plans = plan_many(
+        [p.scenario for p in problems],
+        np.concatenate([p.space.decode(units) for p, units, _, _ in requests]),
+        rules=[p.rules for p in problems],
+        ants=[p.ants for p in problems],
+        iterations=[p.iterations for p in problems],
+        seeds=np.concatenate([p.seeds(domain, first, len(units)) for p, units, domain, first in requests]),
+    )
+    ends = np.cumsum(counts)
+    return [plans[end - count : end] for count, end in zip(counts, ends, strict=True)]

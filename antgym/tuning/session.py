@@ -1,0 +1,171 @@
+"""Sessions: the only place where planner effort is spent, and the one evaluation counter."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antgym.errors import BudgetError
+from antgym.planners.colony import Plans
+from antgym.tuning.problem import TRIAL, Task, TuningProblem, run_together
+
+
+class Trial(NamedTuple):
+    """One paid planner run.
+
+    Attributes:
+        index: 0 for the first trial of the session.
+        unit: the setting, each value in [0, 1].
+        cost: length / straight-line distance, COST_CAP where no path was found.
+        work: moves that ants made.
+    """
+
+    index: int
+    unit: tuple[float, ...]
+    cost: float
+    work: int
+
+
+class Record(NamedTuple):
+    """A trial as a ledger keeps it: with what only the harness may see."""
+
+    trial: Trial
+    length: float
+    seed: int
+
+
+class Journal(Protocol):
+    """Where a session writes what it paid for, and finds what an interrupted run had paid for."""
+
+    def replay(self, index: int, unit: tuple[float, ...]) -> Record | None:
+        """Return the recorded trial ``index``, or None; raise where it was made with another setting."""
+        ...
+
+    def append(self, records: Sequence[Record]) -> None:
+        """Keep records; on return they survive a crash."""
+        ...
+
+
+class Budget:
+    """A number of trials; it can be spent once.
+
+    Raises:
+        BudgetError: if ``total`` is not a positive whole number.
+    """
+
+    def __init__(self, total: int) -> None:
+        if int(total) != total or total < 1:
+            raise BudgetError(f"budget = {total}: a session needs at least one trial")
+        self.total = int(total)
+        self.spent = 0
+
+    @property
+    def left(self) -> int:
+        """Trials that can still be paid for."""
+        return self.total - self.spent
+
+    def charge(self, wanted: int) -> int:
+        """Spend up to ``wanted`` trials and return how many; BudgetError when nothing is left."""
+        if wanted < 1:
+            raise BudgetError("an empty batch of settings was asked for; ask for at least one")
+        if self.left == 0:
+            raise BudgetError(f"all {self.total} trials are spent; stop when session.left is 0")
+        granted = min(wanted, self.left)
+        self.spent += granted
+        return granted
+
+
+class Session:
+    """A budget of trials on one problem.
+
+    Args:
+        problem: what is tuned.
+        budget: trials to pay for, ≥ 1.
+        journal: a ledger's run; recorded trials are fed back instead of being run again.
+
+    Attributes:
+        trials: what was paid for so far.
+        lengths: their path lengths in world units, inf where there was no path; the harness's, not the agent's.
+        last: plans of the last batch that was run (None before, or where everything was replayed).
+    """
+
+    def __init__(self, problem: TuningProblem, budget: int, journal: Journal | None = None) -> None:
+        self.problem = problem
+        self.task: Task = problem.task(budget)
+        self.trials: tuple[Trial, ...] = ()
+        self.lengths: tuple[float, ...] = ()
+        self.last: Plans | None = None
+        self._budget = Budget(budget)
+        self._journal = journal
+
+    @property
+    def left(self) -> int:
+        """Trials that can still be paid for."""
+        return self._budget.left
+
+    def evaluate(self, units: ArrayLike) -> tuple[Trial, ...]:
+        """Pay for settings and return their trials.
+
+        Args:
+            units: (k, d) settings in [0, 1]; where fewer than k trials are left, the first of them are run.
+
+        Raises:
+            ParameterError: on a wrong shape or a value outside [0, 1] (nothing is charged).
+            BudgetError: when no trial is left.
+        """
+        return evaluate_together([(self, units)])[0]
+
+    def _claim(self, units: ArrayLike) -> tuple[NDArray[np.float64], list[Record]]:
+        """Check, charge, and split a batch into what a journal already holds and what is left to run."""
+        batch = self.problem.space.check(units)
+        first = self._budget.spent
+        batch = batch[: self._budget.charge(len(batch))]
+        replayed: list[Record] = []
+        if self._journal is not None:
+            for offset, unit in enumerate(batch):
+                record = self._journal.replay(first + offset, tuple(unit.tolist()))
+                if record is None:
+                    break
+                replayed.append(record)
+        return batch[len(replayed) :], replayed
+
+    def _settle(self, units: NDArray[np.float64], replayed: list[Record], plans: Plans | None) -> tuple[Trial, ...]:
+        records = list(replayed)
+        if plans is not None:
+            first = len(self.trials) + len(replayed)
+            new = _records(self.problem, units, plans, first)
+            if self._journal is not None:
+                self._journal.append(new)
+            records += new
+        self.last = plans
+        self.trials += tuple(r.trial for r in records)
+        self.lengths += tuple(r.length for r in records)
+        return tuple(r.trial for r in records)
+
+
+def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tuple[Trial, ...]]:
+    """Pay for the settings of several sessions in one planner call; the results are those of single calls."""
+    claims = [(session, *session._claim(units)) for session, units in requests]
+    todo = [(s.problem, units, TRIAL, len(s.trials) + len(replayed)) for s, units, replayed in claims if len(units)]
+    plans = iter(run_together(todo))
+    return [s._settle(units, old, next(plans) if len(units) else None) for s, units, old in claims]
+
+
+def incumbent(trials: Sequence[Trial]) -> tuple[tuple[float, ...], float]:
+    """Return the setting with the lowest mean cost over its trials, and that mean; the earliest on a tie."""
+    costs: dict[tuple[float, ...], list[float]] = {}
+    for trial in trials:
+        costs.setdefault(trial.unit, []).append(trial.cost)
+    means = {unit: float(np.mean(values)) for unit, values in costs.items()}
+    best = min(means, key=means.__getitem__)
+    return best, means[best]
+
+
+def _records(problem: TuningProblem, units: NDArray[np.float64], plans: Plans, first: int) -> list[Record]:
+    costs = problem.cost(plans.lengths).tolist()
+    seeds = problem.seeds(TRIAL, first, len(units)).tolist()
+    return [
+        Record(Trial(first + i, tuple(unit), costs[i], int(plans.moves[i])), float(plans.lengths[i]), seeds[i])
+        for i, unit in enumerate(units.tolist())
+    ]

@@ -1,0 +1,303 @@
+"""The currency between a leaderboard and its faces: rows of gaps in, tables for terminals and READMEs out.
+
+A board is computed from ledgers and holds plain numbers; whoever shows it (here, ``report.page``) recomputes
+nothing but statistics of its gaps.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
+
+from antgym.errors import AntgymError
+from experiments.statistics import cluster_interval, interquartile_mean, paired_difference
+
+EXACT = "exact planner"  # the row, and the path of a picture, that is the exact optimum
+NONE = "–"
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one agent, or one reference that is no agent, achieved on every scenario of a board.
+
+    Attributes:
+        name: how every face calls it; unique within a board.
+        kind: ``"agent"`` competes for a place, ``"reference"`` is there to compare with.
+        summary: one line.
+        gaps: maps × seeds; each the mean gap of the fresh re-evaluations of one recommendation.
+        success: share of the fresh re-evaluations that found a path, in [0, 1].
+        deploy: trials paid on a new map, mean.
+        training: trials paid once, before any new map.
+        tuner_seconds: seconds of the agent's own thinking on a new map, mean.
+        planner_seconds: seconds of planner runs on a new map, mean.
+        optimism: mean of re-evaluated − observed gap; None where nothing was observed.
+        card: whatever else there is to say about it; shown as it is.
+    """
+
+    name: str
+    kind: Literal["agent", "reference"]
+    summary: str
+    gaps: tuple[tuple[float, ...], ...]
+    success: float
+    deploy: float
+    training: int
+    tuner_seconds: float
+    planner_seconds: float
+    optimism: float | None
+    card: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        if not self.gaps or not self.gaps[0] or len({len(seeds) for seeds in self.gaps}) > 1:
+            raise AntgymError(f"{self.name}: gaps are maps × seeds, equally many seeds a map and at least one")
+        for i, seeds in enumerate(self.gaps):
+            if not all(np.isfinite(gap) and gap >= -ROUNDING for gap in seeds):
+                raise AntgymError(f"{self.name}: scenario {i} has gaps {seeds}; below 0 or not finite is a bug")
+
+    @cached_property
+    def mean(self) -> float:
+        """Mean gap."""
+        return float(np.mean(self.gaps))
+
+    @cached_property
+    def interquartile(self) -> float:
+        """Mean of the middle half of all gaps."""
+        return interquartile_mean(self.gaps)
+
+    @cached_property
+    def interval(self) -> tuple[float, float] | None:
+        """95 % interval of the mean gap over maps and seeds; None for a single map, which has none."""
+        return cluster_interval(self.gaps) if len(self.gaps) > 1 else None
+
+    @cached_property
+    def scenario_means(self) -> tuple[float, ...]:
+        """Mean gap per scenario."""
+        return tuple(float(np.mean(seeds)) for seeds in self.gaps)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """One scenario of a board, and the paths that its agents' settings led to.
+
+    Attributes:
+        name: of the scenario.
+        heights: (nx, ny) heights of the ground in world units, or None for a world without a ground.
+        free: (nx, ny, nz) uint8, 1 where a cell is free.
+        cell: edge lengths of a cell along x, y, z in world units.
+        paths: (n, 3) cell indices by row name; the exact optimum's under ``EXACT``.
+        lengths: in world units, by row name; a name without a path found none.
+        optimum: exact shortest length in world units.
+    """
+
+    name: str
+    heights: NDArray[np.float64] | None
+    free: NDArray[np.uint8]
+    cell: tuple[float, float, float]
+    paths: dict[str, NDArray[np.int64]]
+    lengths: dict[str, float]
+    optimum: float
+
+    def __post_init__(self) -> None:
+        if self.free.ndim != 3:
+            raise AntgymError(f"{self.name}: free cells are an (nx, ny, nz) array, got shape {self.free.shape}")
+        if self.heights is not None and self.heights.shape != self.free.shape[:2]:
+            raise AntgymError(f"{self.name}: heights {self.heights.shape} do not fit a world {self.free.shape}")
+        for name, path in self.paths.items():
+            if path.ndim != 2 or path.shape[1] != 3 or name not in self.lengths:
+                raise AntgymError(f"{self.name}: the path of {name} is not (n, 3) cells with a length")
+
+
+class Place(NamedTuple):
+    """An agent's place, and whether it is not told apart from the agent above it."""
+
+    number: int
+    tied: bool
+
+    def __str__(self) -> str:
+        return f"{self.number} ≈" if self.tied else str(self.number)
+
+
+@dataclass(frozen=True)
+class Board:
+    """A leaderboard: every row on the same scenarios.
+
+    Attributes:
+        title: headline.
+        command: what makes this board again.
+        rows: in any order.
+        scenarios: names, in the order of every row's gaps.
+        budget: trials that an agent may pay on a new map.
+        seeds: tuner seeds per map.
+        manifest: what ran, with which versions, where.
+        picture: one scenario to look at, or None.
+    """
+
+    title: str
+    command: str
+    rows: tuple[Row, ...]
+    scenarios: tuple[str, ...]
+    budget: int
+    seeds: int
+    manifest: dict[str, Any]
+    picture: Picture | None
+
+    def __post_init__(self) -> None:
+        names = [row.name for row in self.rows]
+        if not names or len(set(names)) < len(names):
+            raise AntgymError(f"a board needs rows with names of their own, got {names}")
+        for row in self.rows:
+            if len(row.gaps) != len(self.scenarios):
+                raise AntgymError(f"{row.name} has gaps on {len(row.gaps)} of {len(self.scenarios)} scenarios")
+
+    @cached_property
+    def ranked(self) -> tuple[Row, ...]:
+        """All rows, references among them, by mean gap."""
+        return tuple(sorted(self.rows, key=lambda row: row.mean))
+
+    @cached_property
+    def places(self) -> dict[str, Place]:
+        """Places of the agents by name; references have none."""
+        agents = [row for row in self.ranked if row.kind == "agent"]
+        ties = [False, *(_tied(better, row) for better, row in zip(agents, agents[1:], strict=False))]
+        return {row.name: Place(i + 1, tied) for i, (row, tied) in enumerate(zip(agents, ties, strict=True))}
+
+
+def _tied(better: Row, row: Row) -> bool:
+    """Whether the paired interval of the difference contains 0; one map tells nobody apart."""
+    return len(row.gaps) < 2 or paired_difference(row.gaps, better.gaps).low <= 0
+
+
+class Column(NamedTuple):
+    """One number per row: its heading, what it means, how to sort by it (None last) and how to print it."""
+
+    key: str
+    heading: str
+    meaning: str
+    value: Callable[[Row, Board], float | None]
+    text: Callable[[float], str]
+
+
+def count(value: float) -> str:
+    """Print a number of trials: whole where it is whole."""
+    return f"{value:,.0f}" if value >= 100 or value == round(value) else f"{value:.1f}"
+
+
+def seconds(value: float) -> str:
+    """Print seconds with about three digits."""
+    return f"{value:,.0f}" if value >= 100 else f"{value:.1f}" if value >= 10 else f"{value:.2f}"
+
+
+def percent(value: float) -> str:
+    """Print a share as per cent, one decimal, without a sign before a rounded zero."""
+    return f"{100 * value:.1f}".replace("-0.0", "0.0")
+
+
+COLUMNS = (
+    Column(
+        "gap",
+        "mean gap %",
+        "(L − L*) / L* of the path found with the recommended setting, averaged over maps and tuner seeds; no path "
+        "counts as 100 %. In brackets its 95 % interval (bootstrap over maps, then seeds).",
+        lambda row, board: row.mean,
+        percent,
+    ),
+    Column(
+        "success",
+        "success %",
+        "Share of the fresh planner runs that found a path.",
+        lambda row, board: row.success,
+        lambda value: f"{100 * value:.0f}",
+    ),
+    Column(
+        "deploy",
+        "trials per map",
+        "Planner runs paid to tune for one new map.",
+        lambda row, board: row.deploy,
+        count,
+    ),
+    Column(
+        "total",
+        "trials in total",
+        "Planner runs paid for this whole board: training, once, plus trials per map × number of maps.",
+        lambda row, board: row.training + row.deploy * len(board.scenarios),
+        count,
+    ),
+    Column(
+        "tuner",
+        "tuner s",
+        "Seconds of the agent's own thinking on one new map.",
+        lambda row, board: row.tuner_seconds,
+        seconds,
+    ),
+    Column(
+        "planner",
+        "planner s",
+        "Seconds of planner runs on one new map.",
+        lambda row, board: row.planner_seconds,
+        seconds,
+    ),
+    Column(
+        "optimism",
+        "optimism",
+        "Gap on fresh seeds minus the gap the agent had observed itself, in percentage points: above 0 it had been "
+        "lucky and took luck for quality.",
+        lambda row, board: row.optimism,
+        lambda value: f"{100 * value:+.1f}".replace("-", "−"),
+    ),
+)
+TIE = "≈ stands for a tie: the 95 % interval of the paired difference to the agent above contains 0."
+
+
+def cells(row: Row, board: Board) -> list[str]:
+    """Return a row's printed numbers, one per column; the mean gap with its interval."""
+    values = [column.value(row, board) for column in COLUMNS]
+    texts = [NONE if v is None else column.text(v) for column, v in zip(COLUMNS, values, strict=True)]
+    if row.interval is not None:
+        low, high = map(percent, row.interval)
+        texts[0] += f" [{low}–{high}]"
+    return texts
+
+
+def size(board: Board) -> str:
+    """Return the line that says how much data a board stands on."""
+    return f"{len(board.scenarios)} maps × {board.seeds} tuner seeds, budget {board.budget:,} trials per map"
+
+
+def to_table(board: Board) -> Table:
+    """Return the board for a terminal; references stand in their order, dim and without a place."""
+    table = Table(title=Text(board.title), caption=f"{size(board)}. {TIE}", box=SIMPLE_HEAD, padding=0)
+    table.add_column("#", justify="right", no_wrap=True)
+    table.add_column("agent", overflow="fold")
+    for column in COLUMNS:
+        table.add_column(column.heading.replace(" ", "\n", 1), justify="right", overflow="fold")
+    for row in board.ranked:
+        reference = row.kind == "reference"
+        texts = ["" if reference else str(board.places[row.name]), row.name, *cells(row, board)]
+        table.add_row(*map(Text, texts), style="dim italic" if reference else None)
+    return table
+
+
+def to_markdown(board: Board) -> str:
+    """Return the board as a Markdown table with the line that explains it; references in italics."""
+    lines = [_line(["#", "agent", *(column.heading for column in COLUMNS)])]
+    lines += [_line(["--:", ":--", *["--:"] * len(COLUMNS)])]
+    for row in board.ranked:
+        name, reference = _plain(row.name), row.kind == "reference"
+        place = "" if reference else str(board.places[row.name])
+        lines.append(_line([place, f"*{name}*" if reference else name, *cells(row, board)]))
+    return "\n".join([*lines, "", f"{size(board)}. In brackets 95 % intervals. {TIE} In italics: references.", ""])
+
+
+def _line(texts: Sequence[str]) -> str:
+    return f"| {' | '.join(texts)} |"
+
+
+def _plain(name: str) -> str:
+    """Escape what Markdown would take for markup, and line breaks."""
+    return "".join(f"\\{sign}" if sign in "\\`*[]<>|" else sign for sign in " ".join(name.split()))

@@ -1,0 +1,123 @@
+"""From a ledger to what people look at: the board's rows, one scenario's picture, the table and the page."""
+
+import json
+import time
+from collections import defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.console import Console
+
+from antgym.maps.optimum import shortest_path
+from antgym.maps.suites import SuiteItem
+from antgym.tuning.ledger import TIMING, Ledger, Outcome
+from antgym.tuning.problem import FRESH
+from experiments.artefacts import problem
+from experiments.board import EXACT, Board, Picture, Row, to_markdown, to_table
+from experiments.presets import Preset
+from experiments.report.page import write_page
+
+if TYPE_CHECKING:
+    from experiments.leaderboard import Entrant
+
+SHOWN = ("published_default", "random_search", "optuna_tpe", "transfer_graph", "rl", "best_static")
+
+
+def show(folder: Path, ledger: Ledger, contest: "Sequence[Entrant]", items: Sequence[SuiteItem], preset: Preset) -> Path:
+    """Print the table, write board.md and index.html, and return the page's path."""
+    config = ledger.manifest["config"]
+    seconds = _seconds(folder / TIMING)
+    rows = [_row(entrant, ledger, items, preset, seconds) for entrant in contest]
+    board = Board(
+        title="antgym leaderboard: real terrain",
+        command=f"python -m experiments.leaderboard --preset {config['preset']}",
+        rows=(*rows, _exact(items, preset)),
+        scenarios=tuple(item.name for item in items),
+        budget=preset.budget,
+        seeds=preset.seeds,
+        manifest=ledger.manifest,
+        picture=_picture(contest, ledger, items[_most_telling(rows)]),
+    )
+    Console(width=160 if not Console().is_terminal else None).print(to_table(board))
+    (folder / "board.md").write_text(to_markdown(board) + "\n", encoding="utf-8")
+    page = folder / "index.html"
+    write_page(board, page)
+    return page
+
+
+def _row(
+    entrant: "Entrant", ledger: Ledger, items: Sequence[SuiteItem], preset: Preset, seconds: dict[str, dict[str, float]]
+) -> Row:
+    gaps, spent, optimism, solved, clocks = [], [], [], [], []
+    for item in items:
+        for seed in range(preset.seeds):
+            run = ledger.run(f"{entrant.name}/{item.name}/{seed}")
+            outcome = run.outcome
+            assert outcome is not None, f"{run.key} is not finished"
+            gaps.append(float(np.mean(outcome.gaps)))
+            solved.append(np.isfinite(outcome.lengths).mean())
+            spent.append(len(run.records))
+            seen = [r.length for r in run.records if r.trial.unit == outcome.unit]
+            if seen:
+                task = problem(item, "board", seed)
+                optimism.append(gaps[-1] - float(task.gap(np.array(seen)).mean()))
+            clocks.append(seconds.get(run.key, {}))
+    table = np.array(gaps).reshape(len(items), preset.seeds)
+    return Row(
+        name=entrant.name,
+        kind=entrant.kind,
+        summary=entrant.summary,
+        gaps=tuple(tuple(row) for row in table.tolist()),
+        success=float(np.mean(solved)),
+        deploy=float(np.mean(spent)),
+        training=entrant.training,
+        tuner_seconds=float(np.mean([clock.get("tuner", 0.0) for clock in clocks])),
+        planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in clocks])),
+        optimism=float(np.mean(optimism)) if optimism else None,
+        card={},
+    )
+
+
+def _exact(items: Sequence[SuiteItem], preset: Preset) -> Row:
+    begun = time.perf_counter()
+    for item in items:
+        shortest_path(item.scenario)
+    each = (time.perf_counter() - begun) / len(items)
+    gaps = tuple((0.0,) * preset.seeds for _ in items)
+    summary = "dynamic programming under the same motion rule; no ants"
+    return Row(EXACT, "reference", summary, gaps, 1.0, 0.0, 0, 0.0, each, None, {})
+
+
+def _seconds(path: Path) -> dict[str, dict[str, float]]:
+    """Return the seconds of every run, summed over the sessions it took."""
+    total: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        fields: dict[str, Any] = json.loads(line)
+        key = fields.pop("run")
+        for name, value in fields.items():
+            total[key][name] += value
+    return total
+
+
+def _most_telling(rows: Sequence[Row]) -> int:
+    """Return the scenario on which agents differ most."""
+    return int(np.array([row.scenario_means for row in rows if row.name in SHOWN]).std(axis=0).argmax())
+
+
+def _picture(contest: "Sequence[Entrant]", ledger: Ledger, item: SuiteItem) -> Picture:
+    """Walk the first fresh run of some agents' recommendations again, for their paths."""
+    world, scenario = item.scenario.world, item.scenario
+    paths, lengths = {EXACT: shortest_path(scenario)}, {EXACT: scenario.optimum}
+    task = problem(item, "board", 0)
+    for entrant in contest:
+        if entrant.name in SHOWN:
+            outcome = ledger.run(f"{entrant.name}/{item.name}/0").outcome
+            assert isinstance(outcome, Outcome)
+            plan = task.run(np.array([outcome.unit]), FRESH, 0).plan(0)
+            if plan.solved:
+                paths[entrant.name] = plan.path
+                lengths[entrant.name] = plan.length
+    heights = (world.free == 0).sum(axis=2) * world.cell[2]
+    return Picture(item.name, heights.astype(float), np.array(world.free), world.cell, paths, lengths, scenario.optimum)

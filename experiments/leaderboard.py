@@ -1,0 +1,212 @@
+"""The leaderboard: every agent tunes the colony on real terrain, its recommendations are judged on fresh runs.
+
+    python -m experiments.leaderboard --preset quick --out out/board
+
+The ledger in the folder is the result: the table and the page are computed from it. A run that was stopped, or
+killed, goes on where it was when the same command is given again.
+"""
+
+import os
+import platform
+import subprocess
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import tyro
+
+import agents
+from agents.static import StaticAgent
+from antgym.errors import ParameterError, nearest
+from antgym.maps.suites import SuiteItem, load_suite
+from antgym.planners.threads import thread_count
+from antgym.tuning.agent import Agent, tune
+from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
+from antgym.tuning.session import Session
+from experiments.artefacts import Artefacts, derived_seed, prepare, problem
+from experiments.console import main, progress
+from experiments.presets import PRESETS, Preset
+
+AGENTS = (
+    "uniform_random",
+    "published_default",
+    "random_search",
+    "ga",
+    "pso",
+    "optuna_tpe",
+    "transfer_graph",
+    "rl",
+)
+STATIC = "best_static"
+SUITE, SPLIT = "mountain-v0", "ood"
+
+
+@dataclass(frozen=True)
+class Arguments:
+    """Run the leaderboard on real terrain, or go on with one that was stopped."""
+
+    preset: Literal["smoke", "quick", "full"] = "quick"
+    """smoke: half a minute, for tests; quick: minutes, the published table; full: hours."""
+    out: Path = Path("out/leaderboard")
+    """Folder of the ledger, of the trained agents and of index.html."""
+    agents: tuple[str, ...] = AGENTS
+    """Names in the catalogue of agents."""
+
+
+class Entrant(NamedTuple):
+    """An agent in the contest, and what its training spent."""
+
+    name: str
+    kind: Literal["agent", "reference"]
+    summary: str
+    agent: Agent
+    training: int
+
+
+class Job(NamedTuple):
+    """One entrant on one map with one tuner seed."""
+
+    entrant: Entrant
+    item: SuiteItem
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """How the ledger calls this run."""
+        return f"{self.entrant.name}/{self.item.name}/{self.seed}"
+
+
+class Stopwatch:
+    """An agent, and the seconds spent inside it."""
+
+    def __init__(self, agent: Agent) -> None:
+        self._agent = agent
+        self.seconds = 0.0
+
+    def _timed(self, name: str, *args: Any, **kwargs: Any) -> Any:
+        begun = time.perf_counter()
+        try:
+            return getattr(self._agent, name)(*args, **kwargs)
+        finally:
+            self.seconds += time.perf_counter() - begun
+
+    def reset(self, task: Any, *, seed: int) -> None:
+        """Pass on."""
+        self._timed("reset", task, seed=seed)
+
+    def ask(self) -> Any:
+        """Pass on."""
+        return self._timed("ask")
+
+    def tell(self, trials: Any) -> None:
+        """Pass on."""
+        self._timed("tell", trials)
+
+    def recommend(self) -> Any:
+        """Pass on."""
+        return self._timed("recommend")
+
+
+def entrants(names: Sequence[str], artefacts: Artefacts) -> list[Entrant]:
+    """Return the agents of a board and its one reference that is an agent, the best static setting."""
+    needs: dict[str, tuple[dict[str, Any], str]] = {
+        "agents.policy:PolicyAgent": ({"path": artefacts.policy}, "policy"),
+        "agents.transfer:TransferAgent": ({"graph": artefacts.graph}, "graph"),
+    }
+    out = []
+    for name in names:
+        card = agents.find_card(name)
+        overrides, artefact = needs.get(card.entry_point, ({}, ""))
+        training = artefacts.spent.get(artefact, 0)
+        out.append(Entrant(name, "agent", card.summary, agents.make(name, **overrides), training))
+    summary = "the one setting that did best on the train maps, no trial"
+    static = StaticAgent(artefacts.static)
+    return [*out, Entrant(STATIC, "reference", summary, static, artefacts.spent["static"])]
+
+
+def play(job: Job, run: LedgerRun, preset: Preset) -> None:
+    """Let one entrant tune one map, then judge its recommendation on fresh, uncharged runs."""
+    task = problem(job.item, "board", job.seed)
+    watch = Stopwatch(job.entrant.agent)
+    begun = time.perf_counter()
+    seed = derived_seed(job.entrant.name, job.item.scenario.digest, job.seed)
+    unit, _ = tune(watch, Session(task, preset.budget, run), seed=seed)
+    tuned = time.perf_counter()
+    fresh = task.fresh(unit, preset.fresh)
+    run.time(
+        tuner=watch.seconds, planner=tuned - begun - watch.seconds, judging=time.perf_counter() - tuned
+    )
+    gaps = task.gap(fresh.lengths)
+    run.finish(Outcome(tuple(unit.tolist()), tuple(fresh.lengths.tolist()), tuple(gaps.tolist())))
+
+
+def jobs(contest: Sequence[Entrant], items: Sequence[SuiteItem], seeds: int) -> Iterator[Job]:
+    """Return every run of a board, map by map so that an early look shows all agents."""
+    for item in items:
+        for seed in range(seeds):
+            for entrant in contest:
+                yield Job(entrant, item, seed)
+
+
+def run_board(arguments: Arguments) -> Path:
+    """Run what is missing of a board, show it, and return the page."""
+    preset = PRESETS[arguments.preset]
+    for name in arguments.agents:
+        if name not in agents.CATALOGUE:
+            raise ParameterError(f"unknown agent {name!r}; {nearest(name, tuple(agents.CATALOGUE))}")
+    suite = load_suite(SUITE, SPLIT)
+    items = suite[: preset.scenarios]
+    config = {
+        "preset": arguments.preset,
+        **preset._asdict(),
+        "suite": SUITE,
+        "split": SPLIT,
+        "maps": [item.scenario.digest[:16] for item in items],
+        "agents": list(arguments.agents),
+    }
+    with Ledger(arguments.out, config, _versions(arguments.agents), _facts()) as ledger:
+        artefacts = prepare(arguments.out / "trained", SUITE, preset)
+        contest = entrants(arguments.agents, artefacts)
+        todo = [job for job in jobs(contest, items, preset.seeds) if ledger.run(job.key).outcome is None]
+        with progress(f"{arguments.preset} board: {len(contest)} agents, {len(items)} maps", len(todo)) as advance:
+            for job in todo:
+                play(job, ledger.run(job.key), preset)
+                advance(1)
+        from experiments.faces import show
+
+        return show(arguments.out, ledger, contest, items, preset)
+
+
+def _versions(names: Sequence[str]) -> dict[str, str]:
+    import antgym
+    from antgym.kernels import sources_hash
+
+    found = {"antgym": antgym.__version__, "kernels": sources_hash(), "python": platform.python_version()}
+    for name in names:
+        found.update(agents.versions(name))
+    return found
+
+
+def _facts() -> dict[str, Any]:
+    return {"commit": _commit(), "cpu": _cpu(), "cores": os.cpu_count(), "threads": thread_count()}
+
+
+def _commit() -> str:
+    here = Path(__file__).parent
+    done = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=here, capture_output=True, text=True, check=False)
+    return done.stdout.strip() or "no git checkout"
+
+
+def _cpu() -> str:
+    path = Path("/proc/cpuinfo")
+    if path.exists():
+        for line in path.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+if __name__ == "__main__":
+    main(lambda: print(f"\npage: {run_board(tyro.cli(Arguments))}"))

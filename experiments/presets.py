@@ -1,0 +1,24 @@
+"""Presets of the leaderboard: how much of everything."""
+
+from typing import NamedTuple
+
+
+class Preset(NamedTuple):
+    """Sizes of one leaderboard run; all of them are part of its ledger's config."""
+
+    scenarios: int  # of the ood split, real terrain that does not overlap up to 16
+    seeds: int  # tuner seeds per scenario
+    budget: int  # trials per scenario and seed
+    fresh: int  # uncharged runs that judge a recommendation
+    policy_evaluations: int  # planner runs the RL tuner may train with
+    sources: int  # maps of the transfer graph
+    source_search: int  # trials to find each source's own set
+    race_maps: int  # train maps of the race for the best static setting
+    race_settings: int
+
+
+PRESETS = {
+    "smoke": Preset(2, 1, 12, 4, 512, 3, 8, 8, 8),
+    "quick": Preset(12, 3, 100, 16, 16_000, 8, 64, 200, 64),
+    "full": Preset(64, 10, 100, 16, 100_000, 16, 200, 200, 256),
+}

@@ -1,0 +1,151 @@
+"""The 3D picture of a page: one scenario and its paths as plotly traces, written as plain dictionaries.
+
+Colours are not set here: the page's script takes them from its style sheet, so that they follow its theme.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.board import EXACT, Board, Picture
+
+Points = NDArray[np.float64]
+DECIMALS = 3
+FLATTEST = 0.3  # height of the drawn box over its longer side; flatter worlds are stretched to it
+CONTOURS = 12
+AT_FIRST = 3  # paths of agents shown before the reader asks for more
+
+
+def figure(board: Board, picture: Picture) -> dict[str, Any]:
+    """Return what the script draws: the ground's trace, the paths' traces, the layout and the names in order."""
+    names = drawn(board, picture)
+    lines = [_line(picture, name, shown=name == EXACT or i <= AT_FIRST) for i, name in enumerate(names)]
+    return {"ground": _ground(picture), "lines": lines, "layout": _layout(picture)}
+
+
+def drawn(board: Board, picture: Picture) -> list[str]:
+    """Return the names of the paths in the order of the legend: the exact optimum first, then by rank."""
+    ranked = [EXACT, *(row.name for row in board.ranked if row.name != EXACT)]
+    return [name for name in ranked if name in picture.paths]
+
+
+def stretch(picture: Picture) -> float:
+    """Return how much higher the picture draws heights than they are, at least 1."""
+    width, depth, height = _extent(picture)
+    return float(max(1.0, FLATTEST * max(width, depth) / height))
+
+
+def _extent(picture: Picture) -> Points:
+    """Return the edges of the drawn box: air above both the ground and the paths is left out."""
+    extent = np.array(picture.free.shape) * picture.cell
+    if picture.heights is not None:
+        highest = max((path[:, 2].max() + 1 for path in picture.paths.values() if len(path)), default=1)
+        extent[2] = max(float(picture.heights.max()), highest * picture.cell[2])
+    return extent
+
+
+def _layout(picture: Picture) -> dict[str, Any]:
+    extent = _extent(picture)
+    aspect = 1.35 * extent / extent[:2].max() * [1, 1, stretch(picture)]
+    axes = {
+        f"{axis}axis": {
+            "title": {"text": title},
+            "range": [0.0, round(float(edge), DECIMALS)],
+            "nticks": 5,
+            "showbackground": False,
+            "showspikes": False,
+            "zeroline": False,
+        }
+        for axis, title, edge in zip("xyz", ("x", "y", "height"), extent, strict=True)
+    }
+    camera = {
+        "eye": {"x": -0.7, "y": -1.25, "z": 1.4},
+        "center": {"x": 0, "y": 0, "z": -0.15},
+        "projection": {"type": "perspective"},
+    }
+    ratio = dict(zip("xyz", aspect.round(DECIMALS).tolist(), strict=True))
+    return {
+        "scene": {**axes, "aspectmode": "manual", "aspectratio": ratio, "camera": camera, "dragmode": "turntable", "annotations": _ends(picture)},
+        "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
+        "showlegend": False,
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "uirevision": "stay",
+    }
+
+
+def _ground(picture: Picture) -> dict[str, Any]:
+    if picture.heights is None:
+        return _walls(picture.free, picture.cell)
+    nx, ny = picture.heights.shape
+    dx, dy, _ = picture.cell
+    return {
+        "type": "surface",
+        "x": _numbers((np.arange(nx) + 0.5) * dx),
+        "y": _numbers((np.arange(ny) + 0.5) * dy),
+        "z": _numbers(picture.heights.T),  # plotly's rows run along y
+        "showscale": False,
+        "hoverinfo": "skip",
+        "lighting": {"ambient": 0.75, "diffuse": 0.55, "roughness": 0.95, "specular": 0.02, "fresnel": 0.01},
+        "contours": {"x": {"highlight": False}, "y": {"highlight": False}, "z": _contours(picture.heights)},
+    }
+
+
+def _contours(heights: Points) -> dict[str, Any]:
+    low, high = float(heights.min()), float(heights.max())
+    step = max(high - low, 1e-9) / CONTOURS
+    return {"show": True, "width": 1, "highlight": False, "start": low + step / 2, "end": high, "size": step}
+
+
+def _walls(free: NDArray[np.uint8], cell: tuple[float, float, float]) -> dict[str, Any]:
+    """Return the faces between free and blocked cells as a see-through mesh; the box itself stays open."""
+    corners = np.concatenate([_faces(free, axis) for axis in range(3)]) * cell
+    first = 4 * np.arange(len(corners) // 4)
+    triangles = np.concatenate([first + np.array([[0], [1], [2]]), first + np.array([[0], [2], [3]])], axis=1)
+    return {
+        "type": "mesh3d",
+        **dict(zip("xyz", map(_numbers, corners.T), strict=True)),
+        **dict(zip("ijk", triangles.tolist(), strict=True)),
+        "opacity": 0.22,
+        "flatshading": True,
+        "hoverinfo": "skip",
+    }
+
+
+def _faces(free: NDArray[np.uint8], axis: int) -> Points:
+    """Return the corners of the faces across an axis, four in a row each, in cells; shape (4 faces, 3)."""
+    cells = np.argwhere(np.diff(free.astype(np.int8), axis=axis) != 0)
+    square = np.insert([[0, 0], [1, 0], [1, 1], [0, 1]], axis, 1, axis=1)
+    return (cells[:, None, :] + square).reshape(-1, 3).astype(np.float64)
+
+
+def _line(picture: Picture, name: str, shown: bool) -> dict[str, Any]:
+    return {
+        "type": "scatter3d",
+        "mode": "lines",
+        **_centres(picture, picture.paths[name]),
+        "visible": shown,
+        "line": {"width": 7 if name == EXACT else 5, "dash": "dash" if name == EXACT else "solid"},
+        "hoverinfo": "none",
+    }
+
+
+def _ends(picture: Picture) -> list[dict[str, Any]]:
+    """Return the labels of start and goal; unlike traces, labels are never hidden behind a mountain."""
+    path = next((path for path in picture.paths.values() if len(path)), None)
+    if path is None:
+        return []
+    centres = (path[[0, -1]] + 0.5) * picture.cell
+    return [
+        {**dict(zip("xyz", _numbers(centre), strict=True)), "text": text, "ax": side * 24, "ay": -34, "arrowwidth": 1}
+        for centre, text, side in zip(centres, ("start", "goal"), (-1, 1), strict=True)
+    ]
+
+
+def _centres(picture: Picture, path: NDArray[np.int64]) -> dict[str, list[float]]:
+    return dict(zip("xyz", map(_numbers, ((path + 0.5) * picture.cell).T), strict=True))
+
+
+def _numbers(array: Points) -> list[Any]:
+    numbers: list[Any] = array.round(DECIMALS).tolist()
+    return numbers

@@ -1,0 +1,241 @@
+"""The colony against its slow twin, its textbook relative and the exact optimum."""
+
+import json
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+import reference
+from conftest import random_scenario
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from antgym.errors import ParameterError, ScenarioError
+from antgym.maps.motion import Motion
+from antgym.maps.optimum import shortest_path
+from antgym.maps.world import GridWorld, Scenario
+from antgym.planners.colony import Colony, plan, plan_many
+from antgym.planners.rules import PAPERS, Rules
+
+RULES = [*PAPERS.values(), Rules(w1=1, w2=0, q0=0.0), Rules(target="current", w1=2, w2=1, q0=0.5)]
+PARAMETERS = st.tuples(
+    st.floats(0.0, 5.0), st.floats(0.0, 10.0), st.floats(0.01, 1.0), st.floats(-6, 6).map(lambda e: 10.0**e)
+)
+
+
+def assert_twins(scenario, parameters, **settings):
+    fast, slow = plan(scenario, parameters, **settings), reference.plan(scenario, parameters, **settings)
+    assert fast.length == slow.length
+    assert fast.path.tolist() == [list(cell) for cell in slow.path]
+    assert fast.best.tolist() == slow.best
+    assert fast.arrived.tolist() == slow.arrived
+    assert fast.mean.tolist() == slow.mean
+    assert fast.moves == slow.moves
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    seed=st.integers(0, 2**64 - 1),
+    parameters=PARAMETERS,
+    rules=st.sampled_from(RULES),
+    check=st.booleans(),
+    blocked=st.floats(0, 0.6),
+    cell=st.sampled_from([(15.0, 10.0, 7.5), (0.1, 0.7, 334.503)]),  # the second is nothing float32 can hold
+)
+def test_colony_walks_the_same_ants_as_the_twin(seed, parameters, rules, check, blocked, cell):
+    scenario = random_scenario(seed % 1000, size=5, blocked=blocked, check_segments=check, cell=cell)
+    assert_twins(scenario, parameters, rules=rules, ants=4, iterations=6, seed=seed)
+
+
+@pytest.mark.parametrize("parameters", [(3, 2, 1e-9, 1e9), (0.01, 0.5, 1e-6, 1e-6), (50, 50, 0.01, 1e6), (5, 1, 0.5, 1e12)])
+def test_twins_agree_where_scale_folds_and_rows_outgrow_their_peak(parameters):
+    assert_twins(random_scenario(3, size=5, blocked=0.1), parameters, rules=RULES[2], ants=5, iterations=40, seed=9)
+
+
+SCRIPT = """
+import json, sys
+sys.path[:0] = [{tests!r}]
+from conftest import random_scenario
+from antgym.maps.world import GridWorld, Scenario
+from antgym.planners.colony import plan
+from antgym.planners.rules import PAPERS
+out = []
+for name, rules in PAPERS.items():
+    p = plan(random_scenario(5, size=6), (1.2, 2.5, 0.7, 50.0), rules=rules, ants=6, iterations=8, seed=2**63 + 11)
+    out.append([p.length.hex(), p.path.tolist(), [x.hex() for x in p.mean.tolist()], p.moves])
+print(json.dumps(out))
+"""
+
+
+def run_script(**environment):
+    script = SCRIPT.format(tests=str(Path(__file__).parents[1]))
+    done = subprocess.run([sys.executable, "-W", "error", "-c", script], env={**os.environ, **environment}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_interpreted_and_compiled_kernels_give_the_same_bits():
+    assert run_script(NUMBA_DISABLE_JIT="1") == run_script(NUMBA_DISABLE_JIT="0")
+
+
+@pytest.mark.parametrize("rules", [Rules(w1=1, w2=0, q0=0.0), PAPERS["liu2020"]], ids=["plain", "liu2020"])
+@pytest.mark.slow
+def test_mean_length_agrees_with_the_textbook_colony_over_a_thousand_seeds(valley, rules):
+    """A slightly wrong polynomial shifts the mean by sigmas while every single plan looks fine."""
+    parameters, effort = (1.0, 3.0, 0.7, 60.0), {"ants": 4, "iterations": 4}
+    fast = plan_many([valley] * 4000, [parameters] * 4000, rules=rules, **effort, seeds=range(4000)).lengths
+    slow = np.array([reference.textbook(valley, parameters, rules=rules, **effort, seed=s) for s in range(1000)])
+    fast, slow = (np.minimum(lengths, 3 * valley.optimum) for lengths in (fast, slow))  # no path counts as this long
+    error = np.hypot(fast.std() / np.sqrt(len(fast)), slow.std() / np.sqrt(len(slow)))
+    assert abs(fast.mean() - slow.mean()) < 3 * error
+
+
+@given(seed=st.integers(0, 10_000), parameters=PARAMETERS)
+@settings(max_examples=60, deadline=None)
+def test_paths_are_valid_and_never_shorter_than_the_optimum(seed, parameters):
+    scenario = random_scenario(seed, size=8, blocked=0.4, cell=(0.1, 0.3, 334.503) if seed % 2 else (15.0, 15.0, 15.0))
+    found = plan(scenario, parameters, ants=5, iterations=5, seed=seed)
+    if not found.solved:
+        assert found.path.shape == (0, 3)
+        return
+    assert found.length >= scenario.optimum
+    cells = [tuple(cell) for cell in found.path.tolist()]
+    assert (cells[0], cells[-1]) == (scenario.start, scenario.goal)
+    for here, there in pairwise(cells):
+        assert reference.legal(scenario, here, tuple(b - a for a, b in zip(here, there, strict=True)))
+    steps = np.diff(scenario.world.centre(found.path), axis=0)
+    assert found.length == pytest.approx(np.sqrt((steps**2).sum(axis=1)).sum())
+
+
+def test_best_so_far_never_rises_and_ends_at_the_length(valley):
+    found = plan(valley, (1, 2, 0.9, 50), iterations=30)
+    assert (np.diff(found.best) <= 0).all()
+    assert found.best[-1] == found.length
+
+
+def test_much_effort_finds_the_optimum(valley):
+    found = plan(valley, (1, 5, 0.9, 100), rules=Rules(w1=1, w2=0, q0=0.0), ants=50, iterations=200)
+    assert found.length == valley.optimum
+
+
+@given(power=st.integers(-20, 20), seed=st.integers(0, 99))
+@settings(max_examples=20, deadline=None)
+def test_scaling_initial_pheromone_and_deposit_together_changes_nothing(power, seed):
+    """Only κ = Q / (L · τ₀) acts (liu2020 (2), (3))."""
+    scenario, c = random_scenario(seed, size=6, blocked=0.2), 2.0**power
+    one = plan(scenario, (1.3, 0.8, 0.6, 40), rules=Rules(), iterations=15, seed=seed)
+    other = plan(scenario, (1.3, 0.8, 0.6, 40 * c), rules=Rules(initial_pheromone=c), iterations=15, seed=seed)
+    assert one.mean.tolist() == other.mean.tolist()
+
+
+def test_batch_order_and_threads_change_nothing(monkeypatch):
+    scenarios = [random_scenario(seed, size=5 + seed % 4, blocked=0.2) for seed in range(30)]
+    values = np.random.default_rng(0).uniform([0.1, 0.1, 0.1, 1], [3, 5, 0.95, 100], (30, 4))
+    arguments = {"rules": [["liu2020", "liu2020-paper"][i % 2] for i in range(30)], "ants": list(range(1, 31))}
+    monkeypatch.setenv("ANTGYM_THREADS", "1")
+    alone = plan_many(scenarios, values, **arguments, iterations=[3 + i % 9 for i in range(30)], seeds=range(30))
+    monkeypatch.setenv("ANTGYM_THREADS", "2")
+    order = np.random.default_rng(1).permutation(30)
+    mixed = plan_many(
+        [scenarios[i] for i in order],
+        values[order],
+        rules=[arguments["rules"][i] for i in order],
+        ants=[arguments["ants"][i] for i in order],
+        iterations=[3 + i % 9 for i in order.tolist()],
+        seeds=order,
+    )
+    assert mixed.lengths.tolist() == alone.lengths[order].tolist()
+    assert [mixed.plan(k).path.tolist() for k in range(30)] == [alone.plan(i).path.tolist() for i in order.tolist()]
+
+
+def test_another_seed_gives_another_walk(valley):
+    means = {tuple(plan(valley, (1, 1, 0.9, 50), seed=seed).mean.tolist()) for seed in range(5)}
+    assert len(means) == 5
+
+
+def test_a_large_visit_grows_the_buffers_and_changes_nothing():
+    scenario = random_scenario(1, size=24, blocked=0.0)
+    found = plan(scenario, (0, 0, 0.9, 50), ants=100, iterations=40)
+    colony = Colony(scenario, ants=100, iterations=40)
+    colony.advance((0, 0, 0.9, 50), 40)
+    assert colony.result().mean.tolist() == found.mean.tolist()
+
+
+@given(blocks=st.lists(st.integers(1, 9), min_size=1, max_size=6), seed=st.integers(0, 50))
+@settings(max_examples=25, deadline=None)
+def test_a_colony_paused_anywhere_is_the_plan_of_one_block(blocks, seed):
+    scenario, parameters = random_scenario(seed, size=7, blocked=0.2), (1.1, 2.0, 0.8, 30)
+    whole = plan(scenario, parameters, ants=6, iterations=sum(blocks), seed=seed)
+    colony = Colony(scenario, ants=6, iterations=sum(blocks), seed=seed)
+    for block in blocks:
+        colony.advance(parameters, block)
+    paused = colony.result()
+    assert (paused.length, paused.mean.tolist(), paused.moves) == (whole.length, whole.mean.tolist(), whole.moves)
+    assert paused.path.tolist() == whole.path.tolist()
+
+
+def test_a_colony_may_not_walk_more_than_it_was_given(valley):
+    colony = Colony(valley, iterations=5)
+    colony.advance((1, 1, 0.5, 10), 5)
+    with pytest.raises(ParameterError, match="0 left"):
+        colony.advance((1, 1, 0.5, 10), 1)
+
+
+def test_segment_checks_only_remove_paths():
+    """A wall with one cell open two cells away: a ±2 move would clip it."""
+    free = np.ones((3, 5, 5), bool)
+    free[1] = False
+    free[1, 3, 2] = True  # reached from (0, 1, 2) by dy = 2, whose segment crosses (0, 2, 2) and (1, 2, 2)
+    ends = ((0, 1, 2), (2, 3, 2))
+    loose, strict = (Scenario(GridWorld(free), *ends, Motion(check_segments=check)) for check in (False, True))
+    assert loose.optimum == pytest.approx(15 * (np.sqrt(5) + 1))
+    with pytest.raises(ScenarioError, match="no path leads"):
+        _ = strict.optimum
+    assert plan(loose, (1, 1, 0.5, 1)).solved
+    assert not plan(strict, (1, 1, 0.5, 1)).solved
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_optimum_is_what_enumeration_finds(seed):
+    scenario = random_scenario(seed, size=6, blocked=0.3, check_segments=seed % 2 == 0, cell=(10.0, 12.0, 5.0))
+    exact = reference.shortest(scenario)
+    if not np.isfinite(exact):
+        with pytest.raises(ValueError, match="no path leads"):
+            _ = scenario.optimum
+        return
+    assert scenario.optimum == pytest.approx(exact)
+    steps = np.diff(scenario.world.centre(shortest_path(scenario)), axis=0)
+    assert np.sqrt((steps**2).sum(axis=1)).sum() == pytest.approx(exact)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"parameters": (1, 1, 0, 1)}, "rho = 0"),
+        ({"parameters": (-1, 1, 0.5, 1)}, "alpha = -1"),
+        ({"parameters": (1, float("nan"), 0.5, 1)}, "beta = nan"),
+        ({"parameters": (1, 1, 0.5)}, "parameters are"),
+        ({"rules": "liu2021"}, "did you mean 'liu2020'"),
+        ({"rules": Rules(target="gaol")}, "gaol"),
+        ({"rules": Rules(q0=2.0)}, "q0 = 2"),
+        ({"ants": 0}, "ants = 0"),
+        ({"iterations": 2.5}, "iterations = 2.5"),
+        ({"seed": -1}, "seed = -1"),
+    ],
+)
+def test_bad_arguments_are_named(valley, arguments, message):
+    with pytest.raises(ParameterError, match=message):
+        plan(valley, **{"parameters": (1, 1, 0.5, 1), **arguments})
+
+
+def test_kernels_compile_once():
+    """A second signature would mean that some caller hands over another dtype, and a second compilation."""
+    from antgym.kernels import ants, paths
+
+    plan_many([random_scenario(0), random_scenario(1, size=9)], [(1, 1, 0.5, 1)] * 2, ants=[2, 3], iterations=4, seeds=[1, 2])
+    for compiled in (ants.plan_range, ants.begin, ants.advance, paths.layered_distances):
+        assert len(compiled.signatures) <= 1

@@ -1,0 +1,258 @@
+"""Slow, obvious twins of the kernels.
+
+``plan`` walks the same ants as the compiled colony, bit for bit, one ant after the other and one move after the
+other, driven by the same ``Rules``; it shares only the random numbers and the float32 logarithm and power with it.
+``textbook`` is the colony as the equations print it, in float64, with its own random numbers: the two agree in
+distribution. ``shortest`` enumerates.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from antgym.kernels import floats, rng
+from antgym.maps.motion import REACH
+from antgym.planners.rules import find_rules
+
+F = np.float32
+
+
+def log2(x):
+    return F(floats.log2(F(x)))  # compiled functions return Python floats
+
+
+def log2_wide(x):
+    return F(floats.log2_wide(np.float64(x)))
+
+
+def exp2(x):
+    return F(floats.exp2(F(x)))
+
+
+def draw(seed, counter):
+    return np.uint64(rng.draw(np.uint64(seed), np.uint64(counter)))
+
+
+STEPS = [(1, dy, dz) for dy in range(-2, 3) for dz in range(-2, 3)]
+LANE_MAJOR = [8 * depth + lane for lane in range(8) for depth in range(4)]  # the kernel's order of summation
+
+
+def free(scenario, cell):
+    inside = all(0 <= i < n for i, n in zip(cell, scenario.world.shape, strict=True))
+    return inside and bool(scenario.world.free[cell])
+
+
+def crossed(step):
+    """Cells that the segment to ``step`` passes, found by walking along it in small steps."""
+    cells = set()
+    for t in np.linspace(0, 1, 4001)[1:-1]:
+        point = np.array([0.5, 0.5, 0.5]) + t * np.array(step)
+        if np.abs(point - np.round(point)).min() > 1e-9:  # not on a boundary
+            cells.add(tuple(np.floor(point).astype(int).tolist()))
+    return cells
+
+
+CROSSED = {step: crossed(step) for step in STEPS}
+
+
+def legal(scenario, cell, step):
+    """Whether a move is one the layered motion allows, by the book."""
+    end = tuple(c + s for c, s in zip(cell, step, strict=True))
+    left = scenario.goal[0] - end[0]
+    if max(abs(scenario.goal[1] - end[1]), abs(scenario.goal[2] - end[2])) > REACH * left:
+        return False
+    cells = [end]
+    if scenario.motion.check_segments and max(abs(step[1]), abs(step[2])) == REACH:
+        cells += [tuple(c + d for c, d in zip(cell, part, strict=True)) for part in CROSSED[step]]
+    return all(free(scenario, c) for c in cells)
+
+
+def length_of(step, cell_size):
+    x, y, z = (np.float64(edge) * s for edge, s in zip(cell_size, step, strict=True))
+    return np.sqrt(x * x + y * y + z * z)
+
+
+def plan(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=0):
+    """The twin. Returns a namespace with length, path, best, mean, arrived, moves."""
+    rules = find_rules(rules)
+    alpha, beta = F(parameters[0]), F(parameters[1])
+    rho, deposit = np.float64(parameters[2]), np.float64(parameters[3]) / rules.initial_pheromone
+    lengths = [length_of(step, scenario.world.cell) for step in STEPS]
+    nodes, scale, unvisited = {}, 1.0, 1.0
+    out = SimpleNamespace(length=np.inf, path=[], best=[], mean=[], arrived=[], moves=0)
+    with np.errstate(over="ignore"):
+        for iteration in range(iterations):
+            walks = []
+            for ant in range(ants):
+                cell, walk, total = scenario.start, [], 0.0
+                while cell != scenario.goal:
+                    if cell not in nodes:
+                        nodes[cell] = new_node(scenario, rules, cell, unvisited)
+                        weigh(nodes[cell], alpha, beta, rules)
+                    node = nodes[cell]
+                    if not node.alive:
+                        break
+                    if node.stale:
+                        weigh(node, alpha, beta, rules)
+                    counter = (iteration * scenario.layers + len(walk)) * ants + ant
+                    slot = choose(node, draw(seed, counter), F(rules.q0))
+                    walk.append((cell, slot))
+                    total += lengths[slot]
+                    cell = tuple(c + s for c, s in zip(cell, STEPS[slot], strict=True))
+                    out.moves += 1
+                walks.append((walk, total) if cell == scenario.goal else None)
+            done = [w for w in walks if w]
+            for walk, total in done:
+                if total < out.length:
+                    out.length, out.path = total, [c for c, _ in walk] + [scenario.goal]
+            out.best.append(out.length)
+            out.mean.append(sum(t for _, t in done) / len(done) if done else np.inf)
+            out.arrived.append(len(done))
+            scale *= rho
+            if scale < 2.0**-500:
+                unvisited = max(unvisited * scale, 2.0**-1000)
+                for node in nodes.values():
+                    node.tau = [max(tau * scale, 2.0**-1000) for tau in node.tau]
+                    node.stale = True
+                scale = 1.0
+            for walk, total in done:
+                for cell, slot in walk:
+                    nodes[cell].tau[slot] += deposit / total / scale
+            for cell, slot in {edge for walk, _ in done for edge in walk}:
+                renew(nodes[cell], slot, alpha, beta, rules)
+    return out
+
+
+def new_node(scenario, rules, cell, unvisited):
+    """A node with log2 of the heuristic of every move, (5)-(8) of liu2020; None where the move is illegal."""
+    size = [F(edge) for edge in scenario.world.cell]
+    anchor = scenario.goal if rules.target == "goal" else scenario.start
+    eta = []
+    for step in STEPS:
+        if not legal(scenario, cell, step):
+            eta.append(None)
+            continue
+        dx = F(anchor[0] - cell[0] - 1) * size[0]
+        dy = F(anchor[1] - cell[1]) * size[1] - F(np.float64(scenario.world.cell[1]) * step[1])
+        dz = F(anchor[2] - cell[2]) * size[2] - F(np.float64(scenario.world.cell[2]) * step[2])
+        distance = np.sqrt(dx * dx + dy * dy + dz * dz)
+        length = F(length_of(step, scenario.world.cell))
+        span = {"goal": length + distance, "start": distance, "current": length}[rules.target]
+        eta.append(-(F(rules.w1) * log2(span)) - F(rules.w2) * log2(F(abs(step[2]) + 1)))
+    return SimpleNamespace(
+        eta=eta, tau=[unvisited] * 25, alive=any(e is not None for e in eta), stale=False, weight=[F(0)] * 32
+    )
+
+
+def weigh(node, alpha, beta, rules):
+    """All weights of a node anew, relative to its largest exponent."""
+    node.stale = False
+    open_slots = [k for k in range(25) if node.eta[k] is not None]
+    if not open_slots:
+        return
+    taus = {k: log2_wide(node.tau[k]) for k in open_slots}
+    exponents = {k: alpha * taus[k] + beta * node.eta[k] for k in open_slots}
+    node.peak = max(exponents.values())
+    for k in open_slots:
+        node.weight[k] = exp2(exponents[k] - node.peak)
+    scores = {k: taus[k] + node.eta[k] if rules.greedy == "plain" else exponents[k] - node.peak for k in open_slots}
+    node.top = max(scores.values())
+    node.greedy = next(k for k in open_slots if scores[k] == node.top)
+
+
+def renew(node, slot, alpha, beta, rules):
+    """One edge's weight after a deposit; a weight that outgrows its node makes all of it be weighed again."""
+    if node.stale:
+        return
+    tau = log2_wide(node.tau[slot])
+    exponent = alpha * tau + beta * node.eta[slot] - node.peak
+    if exponent > F(60):
+        node.stale = True
+        return
+    node.weight[slot] = exp2(exponent)
+    score = tau + node.eta[slot] if rules.greedy == "plain" else exponent
+    if score > node.top or (score == node.top and slot < node.greedy):
+        node.top, node.greedy = score, slot
+
+
+def choose(node, bits, q0):
+    """The pseudo-random proportional rule (4)."""
+    if F(rng.low_uniform(np.uint64(bits))) < q0:
+        return node.greedy
+    sums = prefix_sums(node.weight)
+    mark = F(rng.high_uniform(bits)) * sums[31]
+    return next(slot for slot in LANE_MAJOR if sums[slot] > mark)
+
+
+def prefix_sums(weight):
+    """Sums up to and including every slot, lane after lane: within a lane first, then the lanes before it."""
+    sums, before = [F(0)] * 32, F(0)
+    for lane in range(8):
+        inside = F(0)
+        for depth in range(4):
+            inside = inside + weight[8 * depth + lane] if depth else weight[lane]
+            sums[8 * depth + lane] = before + inside
+        before = sums[24 + lane]
+    return sums
+
+
+def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=0):
+    """Shortest length of the colony as printed: (1)-(3) and (5)-(8), float64, a full evaporation sweep."""
+    rules, (alpha, beta, rho, q) = find_rules(rules), parameters
+    rng, tau, cache, best = np.random.default_rng(seed), {}, {}, np.inf
+    anchor = np.array(scenario.goal if rules.target == "goal" else scenario.start)
+    size = np.array(scenario.world.cell)
+
+    def options(cell):
+        if cell not in cache:
+            steps = [s for s in STEPS if legal(scenario, cell, s)]
+            ends = [tuple(c + d for c, d in zip(cell, s, strict=True)) for s in steps]
+            lengths = np.array([np.linalg.norm(np.array(s) * size) for s in steps])
+            far = np.array([np.linalg.norm((anchor - np.array(e)) * size) for e in ends])
+            span = {"goal": lengths + far, "start": far, "current": lengths}[rules.target]
+            flat = np.array([1.0 / (abs(s[2]) + 1) for s in steps])
+            cache[cell] = ends, lengths, np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2 if steps else None
+        return cache[cell]
+
+    for _ in range(iterations):
+        done = []
+        for _ in range(ants):
+            cell, edges, total = scenario.start, [], 0.0
+            while cell != scenario.goal and options(cell)[0]:
+                ends, lengths, log_eta = options(cell)
+                taus = np.array([tau.get((cell, end), rules.initial_pheromone) for end in ends])
+                logits = alpha * np.log(taus) + beta * log_eta
+                p = np.exp(logits - logits.max())
+                if rng.random() < rules.q0:
+                    k = int(np.argmax(np.log(taus) + log_eta if rules.greedy == "plain" else logits))
+                else:
+                    k = rng.choice(len(ends), p=p / p.sum())
+                edges.append((cell, ends[k]))
+                total += lengths[k]
+                cell = ends[k]
+            if cell == scenario.goal:
+                done.append((edges, total))
+        visited = set(tau) | {edge for edges, _ in done for edge in edges}
+        all_edges = {(c, e) for c in {c for c, _ in visited} for e in options(c)[0]}
+        tau = {edge: rho * tau.get(edge, rules.initial_pheromone) for edge in all_edges}
+        rules = rules._replace(initial_pheromone=rho * rules.initial_pheromone)  # edges nobody has seen evaporate too
+        for edges, total in done:
+            best = min(best, total)
+            for edge in edges:
+                tau[edge] += q / total
+    return best
+
+
+def shortest(scenario):
+    """Exact shortest length by recursion over all cells reached."""
+    reached = {scenario.start: 0.0}
+    for _ in range(scenario.layers):
+        following = {}
+        for cell, total in reached.items():
+            for step in STEPS:
+                if legal(scenario, cell, step):
+                    end = tuple(c + s for c, s in zip(cell, step, strict=True))
+                    length = total + np.linalg.norm(np.array(step) * scenario.world.cell)
+                    following[end] = min(following.get(end, np.inf), length)
+        reached = following
+    return reached.get(scenario.goal, np.inf)
