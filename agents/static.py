@@ -85,7 +85,9 @@ class StaticAgent:
     def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - the protocol's signature
         """Take on a task; ParameterError where it has other parameters."""
         if task.space.names != self.setting.parameters:
-            raise ParameterError(f"the setting is for {self.setting.parameters}, the task has {task.space.names}")
+            raise ParameterError(
+                f"the setting is for {self.setting.parameters}, the task has {task.space.names}"
+            )
 
     def ask(self) -> Floats:
         """Return no settings, (0, d)."""

@@ -1,5 +1,7 @@
 """The one exception family of antgym: whatever is wrong with an input is said once, at the border."""
 
+from numbers import Real
+
 
 class AntgymError(ValueError):
     """An input that antgym cannot use; the message names the value, the place and the way out."""
@@ -30,6 +32,11 @@ class MissingExtraError(AntgymError, ImportError):
 
     def __init__(self, package: str, extra: str) -> None:
         super().__init__(f'{package} is not installed; mend it with: pip install "antgym[{extra}]"')
+
+
+def is_count(value: object) -> bool:
+    """Return whether a value is a whole number of at least one."""
+    return isinstance(value, Real) and float(value) >= 1 and float(value).is_integer()
 
 
 def nearest(name: str, known: "list[str] | tuple[str, ...]") -> str:

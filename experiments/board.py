@@ -4,7 +4,7 @@ A board is computed from ledgers and holds plain numbers; whoever shows it (here
 nothing but statistics of its gaps.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
@@ -16,10 +16,10 @@ from rich.table import Table
 from rich.text import Text
 
 from antgym.errors import AntgymError
+from experiments.columns import COLUMNS, TIE, cells, size
 from experiments.statistics import cluster_interval, interquartile_mean, paired_difference
 
 EXACT = "exact planner"  # the row, and the path of a picture, that is the exact optimum
-NONE = "–"
 ROUNDING = 1e-9
 
 
@@ -55,10 +55,14 @@ class Row:
 
     def __post_init__(self) -> None:
         if not self.gaps or not self.gaps[0] or len({len(seeds) for seeds in self.gaps}) > 1:
-            raise AntgymError(f"{self.name}: gaps are maps × seeds, equally many seeds a map and at least one")
+            raise AntgymError(
+                f"{self.name}: gaps are maps × seeds, equally many seeds a map and at least one"
+            )
         for i, seeds in enumerate(self.gaps):
             if not all(np.isfinite(gap) and gap >= -ROUNDING for gap in seeds):
-                raise AntgymError(f"{self.name}: scenario {i} has gaps {seeds}; below 0 or not finite is a bug")
+                raise AntgymError(
+                    f"{self.name}: scenario {i} has gaps {seeds}; below 0 or not finite is a bug"
+                )
 
     @cached_property
     def mean(self) -> float:
@@ -105,9 +109,13 @@ class Picture:
 
     def __post_init__(self) -> None:
         if self.free.ndim != 3:
-            raise AntgymError(f"{self.name}: free cells are an (nx, ny, nz) array, got shape {self.free.shape}")
+            raise AntgymError(
+                f"{self.name}: free cells are an (nx, ny, nz) array, got shape {self.free.shape}"
+            )
         if self.heights is not None and self.heights.shape != self.free.shape[:2]:
-            raise AntgymError(f"{self.name}: heights {self.heights.shape} do not fit a world {self.free.shape}")
+            raise AntgymError(
+                f"{self.name}: heights {self.heights.shape} do not fit a world {self.free.shape}"
+            )
         for name, path in self.paths.items():
             if path.ndim != 2 or path.shape[1] != 3 or name not in self.lengths:
                 raise AntgymError(f"{self.name}: the path of {name} is not (n, 3) cells with a length")
@@ -153,7 +161,9 @@ class Board:
             raise AntgymError(f"a board needs rows with names of their own, got {names}")
         for row in self.rows:
             if len(row.gaps) != len(self.scenarios):
-                raise AntgymError(f"{row.name} has gaps on {len(row.gaps)} of {len(self.scenarios)} scenarios")
+                raise AntgymError(
+                    f"{row.name} has gaps on {len(row.gaps)} of {len(self.scenarios)} scenarios"
+                )
 
     @cached_property
     def ranked(self) -> tuple[Row, ...]:
@@ -164,109 +174,13 @@ class Board:
     def places(self) -> dict[str, Place]:
         """Places of the agents by name; references have none."""
         agents = [row for row in self.ranked if row.kind == "agent"]
-        ties = [False, *(_tied(better, row) for better, row in zip(agents, agents[1:], strict=False))]
+        ties = [i > 0 and _tied(agents[i - 1], row) for i, row in enumerate(agents)]
         return {row.name: Place(i + 1, tied) for i, (row, tied) in enumerate(zip(agents, ties, strict=True))}
 
 
 def _tied(better: Row, row: Row) -> bool:
     """Whether the paired interval of the difference contains 0; one map tells nobody apart."""
     return len(row.gaps) < 2 or paired_difference(row.gaps, better.gaps).low <= 0
-
-
-class Column(NamedTuple):
-    """One number per row: its heading, what it means, how to sort by it (None last) and how to print it."""
-
-    key: str
-    heading: str
-    meaning: str
-    value: Callable[[Row, Board], float | None]
-    text: Callable[[float], str]
-
-
-def count(value: float) -> str:
-    """Print a number of trials: whole where it is whole."""
-    return f"{value:,.0f}" if value >= 100 or value == round(value) else f"{value:.1f}"
-
-
-def seconds(value: float) -> str:
-    """Print seconds with about three digits."""
-    return f"{value:,.0f}" if value >= 100 else f"{value:.1f}" if value >= 10 else f"{value:.2f}"
-
-
-def percent(value: float) -> str:
-    """Print a share as per cent, one decimal, without a sign before a rounded zero."""
-    return f"{100 * value:.1f}".replace("-0.0", "0.0")
-
-
-COLUMNS = (
-    Column(
-        "gap",
-        "mean gap %",
-        "(L − L*) / L* of the path found with the recommended setting, averaged over maps and tuner seeds; no path "
-        "counts as 100 %. In brackets its 95 % interval (bootstrap over maps, then seeds).",
-        lambda row, board: row.mean,
-        percent,
-    ),
-    Column(
-        "success",
-        "success %",
-        "Share of the fresh planner runs that found a path.",
-        lambda row, board: row.success,
-        lambda value: f"{100 * value:.0f}",
-    ),
-    Column(
-        "deploy",
-        "trials per map",
-        "Planner runs paid to tune for one new map.",
-        lambda row, board: row.deploy,
-        count,
-    ),
-    Column(
-        "total",
-        "trials in total",
-        "Planner runs paid for this whole board: training, once, plus trials per map × number of maps.",
-        lambda row, board: row.training + row.deploy * len(board.scenarios),
-        count,
-    ),
-    Column(
-        "tuner",
-        "tuner s",
-        "Seconds of the agent's own thinking on one new map.",
-        lambda row, board: row.tuner_seconds,
-        seconds,
-    ),
-    Column(
-        "planner",
-        "planner s",
-        "Seconds of planner runs on one new map.",
-        lambda row, board: row.planner_seconds,
-        seconds,
-    ),
-    Column(
-        "optimism",
-        "optimism",
-        "Gap on fresh seeds minus the gap the agent had observed itself, in percentage points: above 0 it had been "
-        "lucky and took luck for quality.",
-        lambda row, board: row.optimism,
-        lambda value: f"{100 * value:+.1f}".replace("-", "−"),
-    ),
-)
-TIE = "≈ stands for a tie: the 95 % interval of the paired difference to the agent above contains 0."
-
-
-def cells(row: Row, board: Board) -> list[str]:
-    """Return a row's printed numbers, one per column; the mean gap with its interval."""
-    values = [column.value(row, board) for column in COLUMNS]
-    texts = [NONE if v is None else column.text(v) for column, v in zip(COLUMNS, values, strict=True)]
-    if row.interval is not None:
-        low, high = map(percent, row.interval)
-        texts[0] += f" [{low}–{high}]"
-    return texts
-
-
-def size(board: Board) -> str:
-    """Return the line that says how much data a board stands on."""
-    return f"{len(board.scenarios)} maps × {board.seeds} tuner seeds, budget {board.budget:,} trials per map"
 
 
 def to_table(board: Board) -> Table:
@@ -291,7 +205,9 @@ def to_markdown(board: Board) -> str:
         name, reference = _plain(row.name), row.kind == "reference"
         place = "" if reference else str(board.places[row.name])
         lines.append(_line([place, f"*{name}*" if reference else name, *cells(row, board)]))
-    return "\n".join([*lines, "", f"{size(board)}. In brackets 95 % intervals. {TIE} In italics: references.", ""])
+    return "\n".join(
+        [*lines, "", f"{size(board)}. In brackets 95 % intervals. {TIE} In italics: references.", ""]
+    )
 
 
 def _line(texts: Sequence[str]) -> str:

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 SHOWN = ("published_default", "random_search", "optuna_tpe", "transfer_graph", "rl", "best_static")
 
 
-def show(folder: Path, ledger: Ledger, contest: "Sequence[Entrant]", items: Sequence[SuiteItem], preset: Preset) -> Path:
+def show(
+    folder: Path, ledger: Ledger, contest: "Sequence[Entrant]", items: Sequence[SuiteItem], preset: Preset
+) -> Path:
     """Print the table, write board.md and index.html, and return the page's path."""
     config = ledger.manifest["config"]
     seconds = _seconds(folder / TIMING)
@@ -48,7 +50,11 @@ def show(folder: Path, ledger: Ledger, contest: "Sequence[Entrant]", items: Sequ
 
 
 def _row(
-    entrant: "Entrant", ledger: Ledger, items: Sequence[SuiteItem], preset: Preset, seconds: dict[str, dict[str, float]]
+    entrant: "Entrant",
+    ledger: Ledger,
+    items: Sequence[SuiteItem],
+    preset: Preset,
+    seconds: dict[str, dict[str, float]],
 ) -> Row:
     gaps, spent, optimism, solved, clocks = [], [], [], [], []
     for item in items:
@@ -120,4 +126,6 @@ def _picture(contest: "Sequence[Entrant]", ledger: Ledger, item: SuiteItem) -> P
                 paths[entrant.name] = plan.path
                 lengths[entrant.name] = plan.length
     heights = (world.free == 0).sum(axis=2) * world.cell[2]
-    return Picture(item.name, heights.astype(float), np.array(world.free), world.cell, paths, lengths, scenario.optimum)
+    return Picture(
+        item.name, heights.astype(float), np.array(world.free), world.cell, paths, lengths, scenario.optimum
+    )

@@ -135,9 +135,7 @@ def play(job: Job, run: LedgerRun, preset: Preset) -> None:
     unit, _ = tune(watch, Session(task, preset.budget, run), seed=seed)
     tuned = time.perf_counter()
     fresh = task.fresh(unit, preset.fresh)
-    run.time(
-        tuner=watch.seconds, planner=tuned - begun - watch.seconds, judging=time.perf_counter() - tuned
-    )
+    run.time(tuner=watch.seconds, planner=tuned - begun - watch.seconds, judging=time.perf_counter() - tuned)
     gaps = task.gap(fresh.lengths)
     run.finish(Outcome(tuple(unit.tolist()), tuple(fresh.lengths.tolist()), tuple(gaps.tolist())))
 
@@ -170,7 +168,9 @@ def run_board(arguments: Arguments) -> Path:
         artefacts = prepare(arguments.out / "trained", SUITE, preset)
         contest = entrants(arguments.agents, artefacts)
         todo = [job for job in jobs(contest, items, preset.seeds) if ledger.run(job.key).outcome is None]
-        with progress(f"{arguments.preset} board: {len(contest)} agents, {len(items)} maps", len(todo)) as advance:
+        with progress(
+            f"{arguments.preset} board: {len(contest)} agents, {len(items)} maps", len(todo)
+        ) as advance:
             for job in todo:
                 play(job, ledger.run(job.key), preset)
                 advance(1)
@@ -195,7 +195,9 @@ def _facts() -> dict[str, Any]:
 
 def _commit() -> str:
     here = Path(__file__).parent
-    done = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=here, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        ["git", "describe", "--always", "--dirty"], cwd=here, capture_output=True, text=True, check=False
+    )
     return done.stdout.strip() or "no git checkout"
 
 

@@ -66,7 +66,9 @@ def paired_difference(
     """
     first, second = _matrix(a), _matrix(b)
     if len(first) != len(second):
-        raise AntgymError(f"a difference is paired by map, but a has {len(first)} maps and b has {len(second)}")
+        raise AntgymError(
+            f"a difference is paired by map, but a has {len(first)} maps and b has {len(second)}"
+        )
     maps, rng = _draw_maps(first, reps, level, seed)
     differences = _resampled_means(first, maps, rng) - _resampled_means(second, maps, rng)
     return Difference(float(first.mean() - second.mean()), *_percentiles(differences, level))
@@ -122,5 +124,7 @@ def _finite(values: ArrayLike) -> Values:
         raise AntgymError(f"there are no values in an array of shape {array.shape}")
     if not np.isfinite(array).all():
         index = tuple(np.argwhere(~np.isfinite(array))[0].tolist())
-        raise AntgymError(f"the value at {index} is {array[index]}; a run without a path counts as the cap, not as NaN")
+        raise AntgymError(
+            f"the value at {index} is {array[index]}; a run without a path counts as the cap, not as NaN"
+        )
     return array

@@ -30,7 +30,9 @@ def random_scenario(seed, size=7, blocked=0.3, check_segments=True, cell=(15.0, 
     free = rng.random((size, size, size)) >= blocked
     start, goal = ((x, *rng.integers(0, size, 2).tolist()) for x in (0, size - 1))
     free[start] = free[goal] = True
-    return Scenario(GridWorld(free, cell), start, goal, Motion(check_segments=check_segments), name=f"random-{seed}")
+    return Scenario(
+        GridWorld(free, cell), start, goal, Motion(check_segments=check_segments), name=f"random-{seed}"
+    )
 
 
 @pytest.fixture

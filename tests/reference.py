@@ -155,7 +155,9 @@ def weigh(node, alpha, beta, rules):
     node.peak = max(exponents.values())
     for k in open_slots:
         node.weight[k] = exp2(exponents[k] - node.peak)
-    scores = {k: taus[k] + node.eta[k] if rules.greedy == "plain" else exponents[k] - node.peak for k in open_slots}
+    scores = {
+        k: taus[k] + node.eta[k] if rules.greedy == "plain" else exponents[k] - node.peak for k in open_slots
+    }
     node.top = max(scores.values())
     node.greedy = next(k for k in open_slots if scores[k] == node.top)
 
@@ -211,7 +213,11 @@ def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, s
             far = np.array([np.linalg.norm((anchor - np.array(e)) * size) for e in ends])
             span = {"goal": lengths + far, "start": far, "current": lengths}[rules.target]
             flat = np.array([1.0 / (abs(s[2]) + 1) for s in steps])
-            cache[cell] = ends, lengths, np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2 if steps else None
+            cache[cell] = (
+                ends,
+                lengths,
+                np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2 if steps else None,
+            )
         return cache[cell]
 
     for _ in range(iterations):
@@ -235,7 +241,9 @@ def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, s
         visited = set(tau) | {edge for edges, _ in done for edge in edges}
         all_edges = {(c, e) for c in {c for c, _ in visited} for e in options(c)[0]}
         tau = {edge: rho * tau.get(edge, rules.initial_pheromone) for edge in all_edges}
-        rules = rules._replace(initial_pheromone=rho * rules.initial_pheromone)  # edges nobody has seen evaporate too
+        rules = rules._replace(
+            initial_pheromone=rho * rules.initial_pheromone
+        )  # edges nobody has seen evaporate too
         for edges, total in done:
             best = min(best, total)
             for edge in edges:

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -35,8 +35,8 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         unknown: raises ParameterError naming the nearest valid argument.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 1}
-    arguments = ("suite", "split", "effort", "reward", "render_mode")
+    metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 1}  # noqa: RUF012
+    arguments: tuple[str, ...] = ("suite", "split", "effort", "reward", "render_mode")
 
     def __init__(
         self,
@@ -126,7 +126,9 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     def render(self) -> Any:
         """Return the picture of the last run: a string (``ansi``) or an (h, w, 3) uint8 array (``rgb_array``)."""
         if self.render_mode is None:
-            raise ParameterError("this environment was made without render_mode; pass 'ansi' or 'rgb_array' to make()")
+            raise ParameterError(
+                "this environment was made without render_mode; pass 'ansi' or 'rgb_array' to make()"
+            )
         from antgym.envs.render import ansi, rgb_array
 
         return (ansi if self.render_mode == "ansi" else rgb_array)(self.session)

@@ -47,7 +47,8 @@ class OneShotEnv(TuningEnv):
 
     ## Information
     `reset`: `scenario`, `seed`, `ants`, `iterations`. `step` adds `length` (10 straight lines where
-    unsolved), `optimum`, `gap` (1 where unsolved), `solved`, `parameters`. `env.unwrapped.planner_runs` counts every planner run so far.
+    unsolved), `optimum`, `gap` (1 where unsolved), `solved`, `parameters`. `env.unwrapped.planner_runs` counts
+    every planner run so far.
 
     ## Arguments
     | name | default | meaning |

@@ -1,5 +1,7 @@
 """Pictures of the last run: terrain from above and from the side, pheromone and path over it; numpy only."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,14 +22,20 @@ def ansi(session: Session) -> str:
     problem = session.problem
     height = _relative_height(problem.scenario.world.free)
     canvas = np.array(list(_SHADES))[np.minimum(height * len(_SHADES), len(_SHADES) - 1).astype(int)]
-    lines = [f"{problem.scenario.name}: {problem.ants} ants, {problem.iterations} iterations, {problem.rules}"]
+    lines = [
+        f"{problem.scenario.name}: {problem.ants} ants, {problem.iterations} iterations, {problem.rules}"
+    ]
     plan = _replay(session)[0] if session.trials else None
     if plan is not None:
         for x, y, _ in plan.path:
             canvas[x, y] = "o"
         values = named_values(problem.space, problem.space.decode(session.trials[-1].unit)[0].tolist())
         lines += [", ".join(f"{name} {value:.4g}" for name, value in values.items())]
-        lines += [f"length {plan.length:.2f}, optimum {problem.scenario.optimum:.2f}" if plan.solved else plan.status]
+        lines += [
+            f"length {plan.length:.2f}, optimum {problem.scenario.optimum:.2f}"
+            if plan.solved
+            else plan.status
+        ]
     canvas[problem.scenario.start[:2]], canvas[problem.scenario.goal[:2]] = "S", "G"
     return "\n".join(lines + ["".join(row) for row in canvas.T[::-1]])
 
@@ -35,7 +43,9 @@ def ansi(session: Session) -> str:
 def rgb_array(session: Session) -> NDArray[np.uint8]:
     """Return two panels, (h, w, 3) uint8: from above (x, y) and from the side (x, z), both with x to the right."""
     scenario = session.problem.scenario
-    plan, cells, amounts = _replay(session) if session.trials else (None, np.empty((0, 3), np.int64), np.empty(0))
+    plan, cells, amounts = (
+        _replay(session) if session.trials else (None, np.empty((0, 3), np.int64), np.empty(0))
+    )
     height = _relative_height(scenario.world.free)
     skyline = scenario.world.free.min(axis=1)  # a cell of the side view is open where it is free for every y
     side = np.where(skyline, 0.05, 0.2 + 0.6 * (1 - scenario.world.free.mean(axis=1)))
@@ -66,18 +76,26 @@ def _replay(session: Session) -> tuple[Plan, NDArray[np.int64], NDArray[np.float
     """Walk the last trial's run again, same seed and same ants, for its pheromone; nothing new is learned by it."""
     problem, trial = session.problem, session.trials[-1]
     seed = int(problem.seeds(TRIAL, trial.index, 1)[0])
-    colony = Colony(problem.scenario, rules=problem.rules, ants=problem.ants, iterations=problem.iterations, seed=seed)
+    colony = Colony(
+        problem.scenario, rules=problem.rules, ants=problem.ants, iterations=problem.iterations, seed=seed
+    )
     colony.advance(problem.space.decode(trial.unit)[0], problem.iterations)
     return colony.result(), *colony.pheromone()
 
 
 def _draw_line(pixels: NDArray[np.float64], cells: NDArray[np.int64], scale: int) -> None:
-    for here, there in zip(cells[:-1], cells[1:], strict=True):
+    for here, there in pairwise(cells):
         for t in np.linspace(0, 1, 2 * scale):
             _draw_dot(pixels, here + t * (there - here), scale, 0.12, _PATH)
 
 
-def _draw_dot(pixels: NDArray[np.float64], cell: NDArray[np.float64], scale: int, size: float, colour: NDArray[np.float64]) -> None:
+def _draw_dot(
+    pixels: NDArray[np.float64],
+    cell: NDArray[np.float64],
+    scale: int,
+    size: float,
+    colour: NDArray[np.float64],
+) -> None:
     radius = max(1, round(size * scale))
     row, column = np.round((cell + 0.5) * scale).astype(int)
     pixels[max(0, row - radius) : row + radius, max(0, column - radius) : column + radius] = colour

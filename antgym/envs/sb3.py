@@ -43,31 +43,45 @@ class NativeVecEnv(VecEnv):
     def step_wait(self) -> Any:
         """Step the batch; a finished slot shows its last observation in ``terminal_observation``."""
         observations, rewards, ends, _, batch = self.native.step(self._actions)
-        infos = _split({k: v for k, v in batch.items() if not k.lstrip("_").startswith("final")}, self.num_envs)
+        infos = _split(
+            {k: v for k, v in batch.items() if not k.lstrip("_").startswith("final")}, self.num_envs
+        )
         finals = _split(batch.get("final_info", {}), self.num_envs)
         for i in np.flatnonzero(ends):
             self.reset_infos[i] = infos[i]
-            infos[i] = {**finals[i], "terminal_observation": batch["final_obs"][i], "TimeLimit.truncated": False}
+            infos[i] = {
+                **finals[i],
+                "terminal_observation": batch["final_obs"][i],
+                "TimeLimit.truncated": False,
+            }
         return observations, rewards.astype(np.float32), ends, infos
 
     def close(self) -> None:
         """Close the batch."""
         self.native.close()
 
-    def get_attr(self, attr_name: str, indices: None | int | Iterable[int] = None) -> list[Any]:
+    def get_attr(self, attr_name: str, indices: int | Iterable[int] | None = None) -> list[Any]:
         """Return an attribute of the chosen slots."""
         return [getattr(self.native.envs[i], attr_name) for i in self._get_indices(indices)]
 
-    def set_attr(self, attr_name: str, value: Any, indices: None | int | Iterable[int] = None) -> None:
+    def set_attr(self, attr_name: str, value: Any, indices: int | Iterable[int] | None = None) -> None:
         """Set an attribute of the chosen slots."""
         for i in self._get_indices(indices):
             setattr(self.native.envs[i], attr_name, value)
 
-    def env_method(self, method_name: str, *args: Any, indices: None | int | Iterable[int] = None, **kwargs: Any) -> list[Any]:
+    def env_method(
+        self, method_name: str, *args: Any, indices: int | Iterable[int] | None = None, **kwargs: Any
+    ) -> list[Any]:
         """Call a method of the chosen slots."""
-        return [getattr(self.native.envs[i], method_name)(*args, **kwargs) for i in self._get_indices(indices)]
+        return [
+            getattr(self.native.envs[i], method_name)(*args, **kwargs) for i in self._get_indices(indices)
+        ]
 
-    def env_is_wrapped(self, wrapper_class: type, indices: None | int | Iterable[int] = None) -> list[bool]:
+    def env_is_wrapped(
+        self,
+        wrapper_class: type,  # noqa: ARG002 - the base class names it
+        indices: int | Iterable[int] | None = None,
+    ) -> list[bool]:
         """Return False for every chosen slot: the batch wraps nothing."""
         return [False for _ in self._get_indices(indices)]
 
@@ -86,7 +100,11 @@ def make_sb3_vec(env_id: str, n: int, seed: int | None = None, **kwargs: Any) ->
         kwargs: the environment's own arguments.
     """
     native = gymnasium.make_vec(
-        env_id, num_envs=n, vectorization_mode="vector_entry_point", autoreset_mode=AutoresetMode.SAME_STEP.value, **kwargs
+        env_id,
+        num_envs=n,
+        vectorization_mode="vector_entry_point",
+        autoreset_mode=AutoresetMode.SAME_STEP.value,
+        **kwargs,
     )
     assert isinstance(native, NativeVectorEnv)
     return NativeVecEnv(native, seed)
@@ -98,7 +116,7 @@ def _split(batch: dict[str, Any], count: int) -> list[dict[str, Any]]:
     for key, values in batch.items():
         if key.startswith("_"):
             continue
-        each = _split(values, count) if isinstance(values, dict) else values
+        each: list[Any] = _split(values, count) if isinstance(values, dict) else values.tolist()
         for i in range(count):
-            out[i][key] = each[i].item() if isinstance(each[i], np.generic) else each[i]
+            out[i][key] = each[i]
     return out

@@ -76,7 +76,7 @@ class TrialsEnv(TuningEnv):
                 raise BudgetError(f"{name} = {value}: an episode needs at least one trial")
         super().__init__(suite, budget=int(budget), window=int(window), **others)
 
-    def judge(self, trials: tuple[Trial, ...]) -> Request | None:
+    def judge(self, trials: tuple[Trial, ...]) -> Request | None:  # noqa: ARG002 - the incumbent is all that counts
         """A fresh run of the incumbent, and of the default where the reward compares with it."""
         unit, _ = incumbent(self.session.trials)
         units = [unit, (0.5,) * len(unit)] if self._reward == "improvement" else [unit]

@@ -1,9 +1,8 @@
 """The native batch: N environments whose planner runs are one call."""
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
@@ -33,8 +32,6 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
             it to ``reset(options={"reset_mask": mask})``.
     """
 
-    metadata: ClassVar[dict[str, Any]] = dict(TuningEnv.metadata)
-
     def __init__(self, envs: Sequence[TuningEnv], autoreset_mode: AutoresetMode) -> None:
         self.envs, self.num_envs = list(envs), len(envs)
         self.metadata = {**TuningEnv.metadata, "autoreset_mode": autoreset_mode}
@@ -63,37 +60,49 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         """
         options = dict(options or {})
         mask = np.asarray(options.pop("reset_mask", np.ones(self.num_envs, bool)), dtype=bool)
-        seeds = env_seeds(seed, self.num_envs) if isinstance(seed, int) else list(seed or [None] * self.num_envs)
+        seeds = (
+            env_seeds(seed, self.num_envs) if isinstance(seed, int) else list(seed or [None] * self.num_envs)
+        )
         if len(seeds) != self.num_envs or mask.shape != (self.num_envs,):
-            raise ParameterError(f"{len(seeds)} seeds and a mask of {mask.shape} for {self.num_envs} environments")
+            raise ParameterError(
+                f"{len(seeds)} seeds and a mask of {mask.shape} for {self.num_envs} environments"
+            )
         infos: dict[str, Any] = {}
-        for i in np.flatnonzero(mask):
-            self._begin(int(i), infos, seeds[i], options)
+        for i in np.flatnonzero(mask).tolist():
+            self._begin(i, infos, seeds[i], options)
         return self._observations.copy(), infos
 
     def step(
         self, actions: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    ) -> tuple[
+        NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
+    ]:
         """Pay for every slot's setting in one planner call, judge them in another where rewards need it."""
         rewards, ends = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         infos: dict[str, Any] = {}
         if self.mode is AutoresetMode.DISABLED and self._over.any():
-            raise ParameterError(f"slots {np.flatnonzero(self._over).tolist()} are over; reset them by reset_mask")
+            raise ParameterError(
+                f"slots {np.flatnonzero(self._over).tolist()} are over; reset them by reset_mask"
+            )
         waiting = self._over.copy()
-        for i in np.flatnonzero(waiting):
-            self._begin(int(i), infos)
-        slots = [int(i) for i in np.flatnonzero(~waiting)]
+        for slot in np.flatnonzero(waiting).tolist():
+            self._begin(slot, infos)
+        slots: list[int] = np.flatnonzero(~waiting).tolist()
         for i, outcome in zip(slots, self._run(slots, actions), strict=True):
             self._observations[i], rewards[i], ends[i], _, info = outcome
             if ends[i] and self.mode is AutoresetMode.SAME_STEP:
-                infos = self._add_info(infos, {"final_obs": self._observations[i].copy(), "final_info": info}, i)
+                infos = self._add_info(
+                    infos, {"final_obs": self._observations[i].copy(), "final_info": info}, i
+                )
                 self._begin(i, infos)
             else:
                 infos = self._add_info(infos, info, i)
                 self._over[i] = ends[i]
         return self._observations.copy(), rewards, ends, np.zeros(self.num_envs, bool), infos
 
-    def _begin(self, i: int, infos: dict[str, Any], seed: int | None = None, options: dict[str, Any] | None = None) -> None:
+    def _begin(
+        self, i: int, infos: dict[str, Any], seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> None:
         self._observations[i], info = self.envs[i].reset(seed=seed, options=options)
         self._over[i] = False
         self._add_info(infos, info, i)
@@ -106,15 +115,19 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         return [self.envs[i].conclude(t, p) for i, t, p in zip(slots, trials, plans, strict=True)]
 
 
-def make_one_shot(num_envs: int = 1, autoreset_mode: AutoresetMode | str | None = None, **kwargs: Any) -> NativeVectorEnv:
-    """Entry point of ``gymnasium.make_vec`` for OneShot; SAME_STEP by default, NEXT_STEP would waste every other step."""
+def make_one_shot(
+    num_envs: int = 1, autoreset_mode: AutoresetMode | str | None = None, **kwargs: Any
+) -> NativeVectorEnv:
+    """Entry point of ``gymnasium.make_vec`` for OneShot; SAME_STEP by default, for NEXT_STEP wastes half the steps."""
     from antgym.envs.one_shot import OneShotEnv
 
     mode = _mode(autoreset_mode, AutoresetMode.SAME_STEP)
     return NativeVectorEnv([OneShotEnv(**kwargs) for _ in range(num_envs)], mode)
 
 
-def make_trials(num_envs: int = 1, autoreset_mode: AutoresetMode | str | None = None, **kwargs: Any) -> NativeVectorEnv:
+def make_trials(
+    num_envs: int = 1, autoreset_mode: AutoresetMode | str | None = None, **kwargs: Any
+) -> NativeVectorEnv:
     """Entry point of ``gymnasium.make_vec`` for Trials; NEXT_STEP by default, as Gymnasium's own."""
     from antgym.envs.trials import TrialsEnv
 

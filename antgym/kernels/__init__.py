@@ -23,6 +23,11 @@ def sources_hash() -> str:
     return digest.hexdigest()[:16]
 
 
+# No kernel allocates, so numba's reference counts are switched off: two atomic operations for every array that a
+# function touches cost more than all the rest of a plan (90 against 41 ns a move at 20 ants x 100 iterations).
+_OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False}
+
+
 def _cache_folder() -> str:
     default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "antgym"
     root = Path(os.environ.get("NUMBA_CACHE_DIR", default))
@@ -41,11 +46,11 @@ def kernel(function: _Function) -> _Function:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CACHE_FOLDER
     try:
-        return numba.njit(function, nogil=True, cache=True, error_model="numpy")  # type: ignore[no-any-return]
+        return numba.njit(function, cache=True, **_OPTIONS)
     finally:
         numba.config.CACHE_DIR = before
 
 
 def inlined(function: _Function) -> _Function:
     """Compile a small function that the kernels call in their inner loops."""
-    return numba.njit(function, nogil=True, forceinline=True, error_model="numpy")  # type: ignore[no-any-return]
+    return numba.njit(function, forceinline=True, **_OPTIONS)

@@ -127,14 +127,18 @@ class History(NamedTuple):
 
 
 @kernel
-def plan_range(free, runs, tables, moves, nodes, trail, history, offsets, cells, lengths, made, first, last, resume):  # type: ignore[no-untyped-def]
+def plan_range(
+    free, runs, tables, moves, nodes, trail, history, offsets, cells, lengths, made, first, last, resume
+):
     """Plan runs ``first`` to ``last``; return the index of one that needs more rows, else ``last``.
 
     Args:
         free: flat uint8 worlds, one behind the other.
         runs: (B,) records of RUN.
         tables: (t, 3, k, 3) int64 move tables: cells crossed before and behind the boundary, and the steps.
-        moves, nodes, trail: buffers, big enough but for the rows of ``nodes``.
+        moves: buffer.
+        nodes: buffer; its rows need not suffice.
+        trail: buffer, big enough for every run.
         history: arrays over all iterations of all runs; run i owns ``offsets[i, 0]`` onwards.
         offsets: (B, 2) int64, into ``history`` and into ``cells``.
         cells: flat int64, the best path of run i from ``offsets[i, 1]`` on, goal excluded.
@@ -161,7 +165,7 @@ def plan_range(free, runs, tables, moves, nodes, trail, history, offsets, cells,
 
 
 @kernel
-def begin(run, tables, moves, nodes, trail):  # type: ignore[no-untyped-def]
+def begin(run, tables, moves, nodes, trail):
     """Clear the buffers of the last run and tabulate the moves of this one."""
     for row in range(trail.status[ROWS]):
         nodes.table[nodes.place[row]] = 0
@@ -185,7 +189,7 @@ def begin(run, tables, moves, nodes, trail):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def rehash(nodes, count):  # type: ignore[no-untyped-def]
+def rehash(nodes, count):
     """Enter the first ``count`` rows into an empty hash table."""
     mask = nodes.table.shape[0] - 1
     for row in range(count):
@@ -197,7 +201,7 @@ def rehash(nodes, count):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def forget_weights(nodes, trail):  # type: ignore[no-untyped-def]
+def forget_weights(nodes, trail):
     """Let every row be weighed again at its next visit: alpha or beta changed, the pheromone did not."""
     for row in range(trail.status[ROWS]):
         if nodes.state[row] != DEAD_END:
@@ -205,7 +209,7 @@ def forget_weights(nodes, trail):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def advance(free, run, moves, nodes, trail, history, until):  # type: ignore[no-untyped-def]
+def advance(free, run, moves, nodes, trail, history, until):
     """Walk iterations until ``until`` of them are done or the rows may not suffice for the next one.
 
     Returns:
@@ -227,7 +231,7 @@ def advance(free, run, moves, nodes, trail, history, until):  # type: ignore[no-
 
 
 @kernel
-def _walk(free, run, moves, nodes, trail):  # type: ignore[no-untyped-def]
+def _walk(free, run, moves, nodes, trail):
     """Take all ants of one iteration to the goal, or to where they die, layer by layer: their draws overlap."""
     status, ants, key, q0 = trail.status, run.ants, run.key, run.q0
     first = np.uint64(status[DONE] * run.layers * ants)
@@ -246,10 +250,8 @@ def _walk(free, run, moves, nodes, trail):  # type: ignore[no-untyped-def]
                     continue
                 _refresh(run, nodes, row)
             bits = draw(key, first + np.uint64(layer * ants + a))
-            if low_uniform(bits) < q0:
-                slot = np.int64(nodes.greedy[row])
-            else:
-                slot = _pick(nodes.sums, row, high_uniform(bits))
+            is_greedy = low_uniform(bits) < q0
+            slot = np.int64(nodes.greedy[row]) if is_greedy else _pick(nodes.sums, row, high_uniform(bits))
             child = np.int64(nodes.child[row, slot])
             if child < 0:
                 child = _node(free, run, moves, nodes, trail, nodes.cell[row] + moves.crossed[2, slot])
@@ -262,7 +264,7 @@ def _walk(free, run, moves, nodes, trail):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _pick(sums, row, uniform):  # type: ignore[no-untyped-def]
+def _pick(sums, row, uniform):
     """Return the slot whose share of the total holds ``uniform``; always one of positive weight."""
     mark = uniform * sums[row, WIDTH - 1]
     lane = np.int32(0)
@@ -273,7 +275,7 @@ def _pick(sums, row, uniform):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _remember(run, trail, history):  # type: ignore[no-untyped-def]
+def _remember(run, trail, history):
     """Keep the shortest path so far and the iteration's statistics."""
     levels, done = trail.levels, trail.status[DONE]
     total, arrived = 0.0, 0
@@ -292,7 +294,7 @@ def _remember(run, trail, history):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _deposit(run, nodes, trail):  # type: ignore[no-untyped-def]
+def _deposit(run, nodes, trail):
     """Let every ant that arrived add Q / length to its edges (liu2020 (3), summed over ants), then renew powers."""
     ants, due = run.ants, 0
     for a in range(ants):
@@ -316,7 +318,7 @@ def _deposit(run, nodes, trail):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _renew(run, nodes, trail, due):  # type: ignore[no-untyped-def]
+def _renew(run, nodes, trail, due):
     """Give the edges that are due their new power; the sums of their rows wait for the next visit."""
     alpha, beta, tau, weight = run.alpha, run.beta, trail.narrow, trail.weight
     for i in range(due):
@@ -339,7 +341,7 @@ def _renew(run, nodes, trail, due):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _fold(nodes, trail):  # type: ignore[no-untyped-def]
+def _fold(nodes, trail):
     """Multiply the scale into the pheromone before it leaves the floating range; rare."""
     levels = trail.levels
     levels[UNVISITED] = max(levels[UNVISITED] * levels[SCALE], FLOOR)
@@ -351,7 +353,7 @@ def _fold(nodes, trail):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _refresh(run, nodes, row):  # type: ignore[no-untyped-def]
+def _refresh(run, nodes, row):
     """Make a row's weights and sums current."""
     if nodes.state[row] == ROW_STALE:
         for k in range(WIDTH):
@@ -362,7 +364,7 @@ def _refresh(run, nodes, row):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _weigh(run, nodes, row):  # type: ignore[no-untyped-def]
+def _weigh(run, nodes, row):
     """Compute all weights of a row from log2 pheromone in ``scratch[0]``; its largest exponent becomes its peak."""
     eta, weight, tau, alpha, beta = nodes.eta, nodes.weight, nodes.scratch, run.alpha, run.beta
     for k in range(WIDTH):
@@ -371,7 +373,7 @@ def _weigh(run, nodes, row):  # type: ignore[no-untyped-def]
     for lane in range(LANES):
         tau[1, lane] = max(weight[row, lane], weight[row, lane + LANES])
     for lane in range(LANES):
-        tau[1, lane] = max(tau[1, lane], max(weight[row, lane + 2 * LANES], weight[row, lane + 3 * LANES]))
+        tau[1, lane] = max(tau[1, lane], weight[row, lane + 2 * LANES], weight[row, lane + 3 * LANES])
     peak = tau[1, 0]
     for lane in range(1, LANES):
         peak = max(peak, tau[1, lane])
@@ -387,7 +389,7 @@ def _weigh(run, nodes, row):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _sum(weight, sums, row):  # type: ignore[no-untyped-def]
+def _sum(weight, sums, row):
     """Write the lane-major prefix sums of a row's weights; the last of them is the total."""
     before = _ZERO
     for lane in range(LANES):
@@ -402,13 +404,13 @@ def _sum(weight, sums, row):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _home(cell):  # type: ignore[no-untyped-def]
+def _home(cell):
     """Return where a cell's search in the hash table begins, before masking."""
     return np.int64((np.uint64(cell) * _HASH) >> _HASH_SHIFT)
 
 
 @inlined
-def _node(free, run, moves, nodes, trail, cell):  # type: ignore[no-untyped-def]
+def _node(free, run, moves, nodes, trail, cell):
     """Return the row of a cell, opening it on the first visit."""
     mask = nodes.table.shape[0] - 1
     place = _home(cell) & mask
@@ -434,7 +436,7 @@ def _node(free, run, moves, nodes, trail, cell):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _sense(free, run, moves, eta, row, cell):  # type: ignore[no-untyped-def]
+def _sense(free, run, moves, eta, row, cell):
     """Write log2 η of every move from a cell, liu2020 (5)-(8); return whether any is legal."""
     x, rest = divmod(cell - run.origin, run.stride_x)
     y, z = divmod(rest, run.stride_y)

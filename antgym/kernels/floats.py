@@ -24,7 +24,7 @@ _MANTISSA64, _ONE64 = np.int64(0xFFFFFFFFFFFFF), np.int64(0x3FF0000000000000)
 
 @inlined
 def log2(x: np.float32) -> np.float32:
-    """Return log2(x) of a positive normal float32."""
+    """Return the binary logarithm of a positive normal float32."""
     bits = _F(x).view(np.int32)
     exponent = np.int32(np.int32(bits - _HALF_BITS) & _EXPONENT)
     mantissa = np.int32(bits - exponent).view(np.float32)

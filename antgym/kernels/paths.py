@@ -6,7 +6,7 @@ from antgym.kernels import kernel
 
 
 @kernel
-def layered_distances(storage, offsets, lengths, start, goal, reach, moves):  # type: ignore[no-untyped-def]
+def layered_distances(storage, offsets, lengths, start, goal, reach, planes, moves):
     """Return the shortest length from start to goal, inf where there is no path.
 
     Lengths are added from the start on, one addition a move, as the ants add theirs; rounding is monotone, so
@@ -20,12 +20,13 @@ def layered_distances(storage, offsets, lengths, start, goal, reach, moves):  # 
         start: (3,) int64 cell in storage indices.
         goal: (3,) int64 cell in storage indices.
         reach: cells that y and z may change per layer.
+        planes: (2, sy, sz) float64, scratch: distances to this layer and to the next.
         moves: (layers, sy, sz) uint8 to receive the last move into each cell, or (0, 0, 0) for lengths alone.
     """
     _, sy, sz = storage.shape
     layers = goal[0] - start[0]
-    here = np.full((sy, sz), np.inf)
-    there = np.full((sy, sz), np.inf)
+    here, there = planes[0], planes[1]
+    here[:, :] = np.inf
     here[start[1], start[2]] = 0.0
     for layer in range(layers):
         there[:, :] = np.inf
@@ -50,7 +51,7 @@ def layered_distances(storage, offsets, lengths, start, goal, reach, moves):  # 
 
 
 @kernel
-def _legal(storage, offsets, k, x, y, z):  # type: ignore[no-untyped-def]
+def _legal(storage, offsets, k, x, y, z):
     """Whether move k from a free cell ends in a free cell and crosses none that is blocked."""
     for part in range(3):
         dx, dy, dz = offsets[k, part, 0], offsets[k, part, 1], offsets[k, part, 2]

@@ -4,6 +4,7 @@ None needs the optimum or anything derived from it; lengths enter only as ratios
 The one walk taken is that of a single greedy ant.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -65,10 +66,10 @@ def describe(scenario: Scenario) -> NDArray[np.float32]:
     return np.array([np.clip(values[f.name], f.low, f.high) for f in FEATURES], dtype=np.float32)
 
 
-def feature_table() -> str:
-    """Return the Markdown table of all features."""
+def feature_table(features: Sequence[Feature] = FEATURES) -> str:
+    """Return the Markdown table of some features, by default of all that describe a scenario."""
     rows = ["| num | feature | low | high | meaning |", "|---|---|---|---|---|"]
-    rows += [f"| {i} | {f.name} | {f.low:g} | {f.high:g} | {f.meaning} |" for i, f in enumerate(FEATURES)]
+    rows += [f"| {i} | {f.name} | {f.low:g} | {f.high:g} | {f.meaning} |" for i, f in enumerate(features)]
     return "\n".join(rows)
 
 

@@ -26,6 +26,9 @@ class Motion(NamedTuple):
     check_segments: bool = True
 
 
+LAYERED = Motion()
+
+
 class MoveTable(NamedTuple):
     """The moves of one motion rule, one row per move; all arrays are read-only.
 

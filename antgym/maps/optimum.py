@@ -39,6 +39,7 @@ def _solve(scenario: Scenario, moves: NDArray[np.uint8]) -> float:
         np.asarray(scenario.start) + shift,
         np.asarray(scenario.goal) + shift,
         REACH,
+        np.empty((2, *scenario.world.storage.shape[1:])),
         moves,
     )
     if not np.isfinite(length):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import MapError, ScenarioError
-from antgym.maps.motion import REACH, Motion
+from antgym.maps.motion import LAYERED, REACH, Motion
 
 PAD = REACH  # blocked border cells around y and z, so that no move needs a bounds check
 Cell = tuple[int, int, int]
@@ -37,7 +37,9 @@ class GridWorld:
         if free.ndim != 3 or free.size == 0:
             raise MapError(f"a world is a non-empty (nx, ny, nz) array, got shape {free.shape}")
         if free.dtype != np.bool_ and not (((free == 0) | (free == 1)).all()):
-            raise MapError("a world holds only 0 (blocked) and 1 (free); threshold it first, or use voxelise()")
+            raise MapError(
+                "a world holds only 0 (blocked) and 1 (free); threshold it first, or use voxelise()"
+            )
         cell = tuple(float(edge) for edge in self.cell)
         if len(cell) != 3 or not all(np.isfinite(edge) and edge > 0 for edge in cell):
             raise MapError(f"cell edges must be three positive numbers (x, y, z), got {self.cell}")
@@ -83,7 +85,7 @@ class Scenario:
     world: GridWorld
     start: Cell
     goal: Cell
-    motion: Motion = Motion()
+    motion: Motion = LAYERED
     name: str = "unnamed"
 
     def __post_init__(self) -> None:
@@ -95,11 +97,15 @@ class Scenario:
         if self.start == self.goal:
             raise ScenarioError(f"start and goal are the same cell {self.start}; choose two")
         if xg <= xs:
-            raise ScenarioError(f"the layered motion advances along x: goal {self.goal} must lie in a later layer "
-                                f"than start {self.start}; swap them or rotate the world")
+            raise ScenarioError(
+                f"the layered motion advances along x: goal {self.goal} must lie in a later layer "
+                f"than start {self.start}; swap them or rotate the world"
+            )
         if max(abs(yg - ys), abs(zg - zs)) > REACH * (xg - xs):
-            raise ScenarioError(f"goal {self.goal} is out of reach of start {self.start}: {xg - xs} layers allow "
-                                f"{REACH * (xg - xs)} cells along y and z")
+            raise ScenarioError(
+                f"goal {self.goal} is out of reach of start {self.start}: {xg - xs} layers allow "
+                f"{REACH * (xg - xs)} cells along y and z"
+            )
 
     @property
     def layers(self) -> int:

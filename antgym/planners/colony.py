@@ -1,55 +1,21 @@
 """The colony: plans a scenario, or many at once, or one in blocks. Sole caller of the ant kernels."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import chain
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import ParameterError
 from antgym.kernels import ants as kernels
-from antgym.maps.motion import REACH, Motion, move_table
-from antgym.maps.world import PAD, GridWorld, Scenario
-from antgym.planners.buffers import Buffers, Workspace, new_buffers, with_more_rows
+from antgym.maps.world import Scenario
+from antgym.planners.batch import Batch, Plan, cells_of, write_parameters
+from antgym.planners.buffers import new_buffers, with_more_rows
 from antgym.planners.parameters import ColonyParameters, check_parameters
 from antgym.planners.rules import Rules, find_rules
 from antgym.planners.threads import run_ranges
 
-_T = TypeVar("_T")
-_WORKSPACE = Workspace()
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """What one planner run found.
-
-    Attributes:
-        length: of the shortest path in world units; inf where no ant arrived.
-        path: (layers + 1, 3) int64 cells from start to goal; (0, 3) where there is none.
-        best: (iterations,) float64, the shortest length so far.
-        mean: (iterations,) float64, mean length over the ants that arrived, inf where none did.
-        arrived: (iterations,) int64, how many did.
-        moves: moves that all ants made.
-    """
-
-    length: float
-    path: NDArray[np.int64]
-    best: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    arrived: NDArray[np.int64]
-    moves: int
-
-    @property
-    def solved(self) -> bool:
-        """Whether an ant arrived."""
-        return bool(np.isfinite(self.length))
-
-    @property
-    def status(self) -> str:
-        """``"solved"`` or ``"no ant arrived"``."""
-        return "solved" if self.solved else "no ant arrived"
+__all__ = ["Colony", "Plan", "Plans", "plan", "plan_many"]
 
 
 class Plans:
@@ -60,7 +26,7 @@ class Plans:
         moves: (B,) int64, moves that all ants of a run made.
     """
 
-    def __init__(self, batch: "_Batch", first: int, last: int) -> None:
+    def __init__(self, batch: "Batch", first: int, last: int) -> None:
         self._batch, self._first = batch, first
         self.lengths = batch.lengths[first:last]
         self.moves = batch.made[first:last]
@@ -99,7 +65,9 @@ def plan(
     Raises:
         ParameterError: if a parameter, rule, effort or seed cannot be used.
     """
-    return plan_many([scenario], [parameters], rules=rules, ants=ants, iterations=iterations, seeds=[seed]).plan(0)
+    values = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
+    plans = plan_many([scenario], values, rules=rules, ants=ants, iterations=iterations, seeds=[seed])
+    return plans.plan(0)
 
 
 def plan_many(
@@ -124,7 +92,7 @@ def plan_many(
     Raises:
         ParameterError: if a parameter, rule, effort or seed cannot be used, or the counts differ.
     """
-    batch = _Batch.of(list(scenarios), parameters, rules, ants, iterations, seeds)
+    batch = Batch.of(list(scenarios), parameters, rules, ants, iterations, seeds)
     if len(batch.runs):
         run_ranges(batch.plan_range, len(batch.runs))
     return Plans(batch, 0, len(batch.runs))
@@ -138,13 +106,21 @@ class Colony:
     """
 
     def __init__(
-        self, scenario: Scenario, *, rules: str | Rules = "liu2020", ants: int = 20, iterations: int = 100, seed: int = 0
+        self,
+        scenario: Scenario,
+        *,
+        rules: str | Rules = "liu2020",
+        ants: int = 20,
+        iterations: int = 100,
+        seed: int = 0,
     ) -> None:
         default = ColonyParameters(1.0, 1.0, 0.5, 1.0)
-        self._batch = _Batch.of([scenario], [default], rules, ants, iterations, [seed])
+        self._batch = Batch.of([scenario], [default], rules, ants, iterations, [seed])
         self._scenario, self._rules = scenario, find_rules(rules)
         run = self._batch.runs[0]
-        self._buffers = new_buffers(2 * ants * scenario.layers + 2, ants, ants * scenario.layers, scenario.layers)
+        self._buffers = new_buffers(
+            2 * ants * scenario.layers + 2, ants, ants * scenario.layers, scenario.layers
+        )
         kernels.begin(run, self._batch.tables, *self._buffers)
 
     @property
@@ -163,7 +139,7 @@ class Colony:
             raise ParameterError(f"iterations = {iterations}: this colony has {self.left} left")
         run = self._batch.runs[0]
         before = (run.alpha, run.beta)
-        _write_parameters(self._batch.runs, check_parameters(parameters), [self._rules])
+        write_parameters(self._batch.runs, check_parameters(parameters), [self._rules])
         if before != (run.alpha, run.beta) and self.done:
             kernels.forget_weights(self._buffers.nodes, self._buffers.trail)
         until = self.done + iterations
@@ -188,171 +164,9 @@ class Colony:
         tau = nodes.tau[rows, slots] - self._buffers.trail.levels[kernels.UNVISITED]
         strength = np.zeros(count)
         np.maximum.at(strength, nodes.child[rows, slots], tau)
-        cells = _cells(self._scenario, nodes.cell[:count])
+        cells = cells_of(self._scenario, nodes.cell[:count])
         return cells, strength / max(strength.max(initial=0.0), np.finfo(float).tiny)
 
     def _walk(self, run: Any, until: int) -> int:
         with np.errstate(over="ignore"):
             return int(kernels.advance(self._batch.free, run, *self._buffers, self._batch.history, until))
-
-
-@dataclass(frozen=True, eq=False)
-class _Batch:
-    """Runs packed for the kernel, and the arrays it writes."""
-
-    scenarios: list[Scenario]
-    free: NDArray[np.uint8]
-    runs: Any
-    tables: NDArray[np.int64]
-    history: kernels.History
-    offsets: NDArray[np.int64]
-    cells: NDArray[np.int64]
-    lengths: NDArray[np.float64]
-    made: NDArray[np.int64]
-
-    @classmethod
-    def of(
-        cls,
-        scenarios: list[Scenario],
-        parameters: ArrayLike,
-        rules: str | Rules | Sequence[str | Rules],
-        ants: int | Sequence[int],
-        iterations: int | Sequence[int],
-        seeds: ArrayLike,
-    ) -> "_Batch":
-        """Check everything once and pack it."""
-        count = len(scenarios)
-        single = isinstance(rules, (str, Rules))
-        each = [find_rules(rule) for rule in _spread([rules] if single else rules, count, "rules")]  # type: ignore[list-item,arg-type]
-        runs = np.zeros(count, kernels.RUN).view(np.recarray)
-        free, runs["origin"] = _pack([s.world for s in scenarios])
-        motions = list(dict.fromkeys(s.motion for s in scenarios))
-        _write_scenarios(runs, scenarios, motions)
-        _write_rules(runs, each)
-        for name, values in (("ants", ants), ("iterations", iterations)):
-            runs[name] = _effort(name, values, count)
-        runs["key"] = _keys(seeds, count)
-        if count:
-            values = check_parameters(parameters)
-            if len(values) != count:
-                raise ParameterError(f"{len(values)} parameter sets for {count} scenarios")
-            _write_parameters(runs, values, each)
-        ends = np.cumsum([runs["iterations"], runs["layers"]], axis=1)
-        total = ends[:, -1] if count else (0, 0)
-        history = kernels.History(np.empty(total[0]), np.empty(total[0]), np.empty(total[0], np.int64))
-        offsets = np.ascontiguousarray((ends - [runs["iterations"], runs["layers"]]).T)
-        return cls(
-            scenarios,
-            free,
-            runs,
-            _tables(motions),
-            history,
-            offsets,
-            cells=np.empty(total[1], np.int64),
-            lengths=np.full(count, np.inf),
-            made=np.zeros(count, np.int64),
-        )
-
-    def plan_range(self, first: int, last: int) -> None:
-        """Plan some of the runs in the calling thread's buffers."""
-        runs, arrays = self.runs, (self.history, self.offsets, self.cells, self.lengths, self.made)
-        buffers = _WORKSPACE.reserve(
-            int(runs["ants"].max()), int((runs["ants"] * runs["layers"]).max()), int(runs["layers"].max())
-        )
-        resume = False
-        with np.errstate(over="ignore"):  # interpreted, the random numbers' wrap-around would warn
-            while first < last:
-                first = kernels.plan_range(self.free, runs, self.tables, *buffers, *arrays, first, last, resume)
-                if first < last:
-                    buffers = _WORKSPACE.buffers = with_more_rows(buffers)
-                    resume = True
-
-    def plan(self, index: int, iterations: int | None = None) -> Plan:
-        """Return what run ``index`` found."""
-        scenario, run = self.scenarios[index], self.runs[index]
-        at, begin = self.offsets[index]
-        span = slice(at, at + (run.iterations if iterations is None else iterations))
-        path = np.empty((0, 3), np.int64)
-        if np.isfinite(self.lengths[index]):
-            path = _path(scenario, self.cells[begin : begin + run.layers] - run.origin)
-        h = self.history
-        return Plan(float(self.lengths[index]), path, h.best[span], h.mean[span], h.arrived[span], int(self.made[index]))
-
-
-def _spread(values: Sequence[_T], count: int, name: str) -> list[_T]:
-    if len(values) == 1:
-        return list(values) * count
-    if len(values) != count:
-        raise ParameterError(f"{len(values)} {name} for {count} scenarios; give one, or one each")
-    return list(values)
-
-
-def _effort(name: str, values: int | Sequence[int], count: int) -> NDArray[np.int64]:
-    array = np.asarray(values)
-    if array.size and (array.dtype.kind not in "iu" or (array < 1).any() or (array > 1_000_000).any()):
-        raise ParameterError(f"{name} = {values}: whole numbers from 1 to 1,000,000 are needed")
-    if array.ndim and len(array) != count:
-        raise ParameterError(f"{len(array)} values of {name} for {count} scenarios; give one, or one each")
-    return np.broadcast_to(array, (count,)).astype(np.int64)
-
-
-def _keys(seeds: ArrayLike, count: int) -> NDArray[np.uint64]:
-    values = [int(seed) for seed in np.asarray(seeds, dtype=object).ravel()]
-    if len(values) != count:
-        raise ParameterError(f"{len(values)} seeds for {count} scenarios")
-    for seed in values:
-        if not 0 <= seed < 1 << 64:
-            raise ParameterError(f"seed = {seed}: must lie in [0, 2^64)")
-    return np.array(values, dtype=np.uint64)
-
-
-def _pack(worlds: list[GridWorld]) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
-    """Lay worlds one behind the other, each once; a single world is used where it lies."""
-    bases: dict[int, int] = {}
-    parts: list[NDArray[np.uint8]] = []
-    size = 0
-    for world in worlds:
-        if id(world) not in bases:
-            bases[id(world)] = size
-            parts.append(world.storage.reshape(-1))
-            size += world.storage.size
-    free = parts[0] if len(parts) == 1 else np.concatenate(parts or [np.empty(0, np.uint8)])
-    free.setflags(write=False)  # as a world's own cells are: one type, one compilation
-    return free, np.array([bases[id(world)] for world in worlds], dtype=np.int64)
-
-
-def _tables(motions: list[Motion]) -> NDArray[np.int64]:
-    return np.array([(t.before, t.after, t.steps) for t in map(move_table, motions)])
-
-
-def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]) -> None:
-    names = ("stride_x", "stride_y", "start_x", "start_y", "start_z", "goal_y", "goal_z", "layers", "reach", "table")
-    for i, s in enumerate(scenarios):
-        _, sy, sz = s.world.storage.shape
-        (xs, ys, zs), (_, yg, zg) = s.start, s.goal
-        places = (sy * sz, sz, xs, ys + PAD, zs + PAD, yg + PAD, zg + PAD, s.layers, REACH, motions.index(s.motion))
-        for name, value in chain(zip(names, places, strict=True), zip(("cell_x", "cell_y", "cell_z"), s.world.cell, strict=True)):
-            runs[name][i] = value
-
-
-def _write_rules(runs: Any, rules: list[Rules]) -> None:
-    for i, rule in enumerate(rules):
-        runs["step_share"][i] = rule.target != "start"
-        runs["distance_share"][i] = rule.target != "current"
-        runs["to_goal"][i] = rule.target == "goal"
-        runs["plain"][i] = rule.greedy == "plain"
-        runs["w1"][i], runs["w2"][i], runs["q0"][i] = rule.w1, rule.w2, rule.q0
-
-
-def _write_parameters(runs: Any, values: NDArray[np.float64], rules: list[Rules]) -> None:
-    runs["alpha"], runs["beta"], runs["rho"] = values[:, 0], values[:, 1], values[:, 2]
-    runs["deposit"] = values[:, 3] / [rule.initial_pheromone for rule in rules]
-
-
-def _path(scenario: Scenario, indices: NDArray[np.int64]) -> NDArray[np.int64]:
-    return np.vstack([_cells(scenario, indices), scenario.goal]).astype(np.int64)
-
-
-def _cells(scenario: Scenario, indices: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the (n, 3) cells behind indices into the flat storage of a scenario's world."""
-    return np.stack(np.unravel_index(indices, scenario.world.storage.shape), axis=1) - (0, PAD, PAD)

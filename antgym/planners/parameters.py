@@ -43,13 +43,15 @@ class ColonyRanges(NamedTuple):
 
     def space(self, straight_line: float, initial_pheromone: float = 1.0) -> ParameterSpace:
         """Return the space of natural values for a start and goal ``straight_line`` world units apart."""
-        to_q = straight_line * initial_pheromone
+        to_q, (low, default, high) = straight_line * initial_pheromone, self.kappa
         return ParameterSpace(
             (
                 Parameter("alpha", *self.alpha, "log", "weight of the pheromone"),
                 Parameter("beta", *self.beta, "log", "weight of the heuristic"),
                 Parameter("rho", *self.rho, "logit", "persistence of the pheromone per iteration"),
-                Parameter("Q", *(to_q * k for k in self.kappa), "log", "deposit: Q / length per ant and edge"),
+                Parameter(
+                    "Q", to_q * low, to_q * default, to_q * high, "log", "deposit: Q / length per edge"
+                ),
             )
         )
 

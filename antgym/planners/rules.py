@@ -32,7 +32,10 @@ class Rules(NamedTuple):
     # The default is the set that liu2020's Table 3 publishes for its own method (transfer); Q becomes κ over the
     # path length it reports, 174.0582 / 148.6621.
     ranges: ColonyRanges = ColonyRanges(
-        alpha=(0.01, 1.3027, 5.0), beta=(0.02, 8.4233, 10.0), rho=(0.01, 0.4152, 0.999), kappa=(KAPPA[0], 1.1708, KAPPA[1])
+        alpha=(0.01, 1.3027, 5.0),
+        beta=(0.02, 8.4233, 10.0),
+        rho=(0.01, 0.4152, 0.999),
+        kappa=(KAPPA[0], 1.1708, KAPPA[1]),
     )
     source: str = "liu2020 (1)-(8)"
 

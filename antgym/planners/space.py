@@ -45,9 +45,13 @@ class ParameterSpace:
     def __post_init__(self) -> None:
         for p in self.parameters:
             if p.scale not in _SCALES:
-                raise ParameterError(f"{p.name}: unknown scale {p.scale!r}; {nearest(p.scale, tuple(_SCALES))}")
-            if not p.low < p.default < p.high:
-                raise ParameterError(f"{p.name}: needs low < default < high, got {p.low}, {p.default}, {p.high}")
+                raise ParameterError(
+                    f"{p.name}: unknown scale {p.scale!r}; {nearest(p.scale, tuple(_SCALES))}"
+                )
+            if not -np.inf < p.low < p.default < p.high < np.inf:
+                raise ParameterError(
+                    f"{p.name}: needs finite low < default < high, got {p.low}, {p.default}, {p.high}"
+                )
             if (p.scale != "linear" and p.low <= 0) or (p.scale == "logit" and p.high >= 1):
                 raise ParameterError(f"{p.name}: bounds {p.low}, {p.high} do not fit the {p.scale} scale")
 
@@ -68,7 +72,9 @@ class ParameterSpace:
         """Return settings as a (k, d) float64 array; ParameterError unless all lie in [0, 1]."""
         array = np.atleast_2d(np.asarray(units, dtype=np.float64))
         if array.ndim != 2 or array.shape[1] != len(self):
-            raise ParameterError(f"settings must have shape (k, {len(self)}) for {self.names}, got {array.shape}")
+            raise ParameterError(
+                f"settings must have shape (k, {len(self)}) for {self.names}, got {array.shape}"
+            )
         if not ((array >= 0) & (array <= 1)).all():
             row, column = np.argwhere(~((array >= 0) & (array <= 1)))[0]
             raise ParameterError(
@@ -86,8 +92,8 @@ class ParameterSpace:
     def encode(self, naturals: ArrayLike) -> Floats:
         """Map natural values (k, d) to [0, 1]; ParameterError naming a value outside its range."""
         array = np.atleast_2d(np.asarray(naturals, dtype=np.float64))
-        if array.shape[1] != len(self):
-            raise ParameterError(f"need {len(self)} values {self.names} a row, got {array.shape[1]}")
+        if array.ndim != 2 or array.shape[1] != len(self):
+            raise ParameterError(f"need {len(self)} values {self.names} a row, got shape {array.shape}")
         return np.stack([_encode(p, array[:, i]) for i, p in enumerate(self.parameters)], axis=1)
 
     def sample(self, rng: np.random.Generator, count: int) -> Floats:
@@ -96,9 +102,14 @@ class ParameterSpace:
 
     def to_markdown(self) -> str:
         """Return the table that docstrings and the README show."""
-        rows = ["| num | parameter | low | default | high | scale | meaning |", "|---|---|---|---|---|---|---|"]
+        rows = [
+            "| num | parameter | low | default | high | scale | meaning |",
+            "|---|---|---|---|---|---|---|",
+        ]
         for i, p in enumerate(self.parameters):
-            rows.append(f"| {i} | {p.name} | {p.low:g} | {p.default:g} | {p.high:g} | {p.scale} | {p.meaning} |")
+            rows.append(
+                f"| {i} | {p.name} | {p.low:g} | {p.default:g} | {p.high:g} | {p.scale} | {p.meaning} |"
+            )
         return "\n".join(rows)
 
 
@@ -113,14 +124,17 @@ def _knots(p: Parameter) -> Floats:
 
 def _decode(p: Parameter, units: Floats) -> Floats:
     natural = _SCALES[p.scale][1](np.interp(units, [0.0, 0.5, 1.0], _knots(p)))
-    # the three knots are exact, whatever exp(log(x)) rounds to
+    # whatever exp(log(x)) rounds to, the three knots are exact and no value passes one
     for unit, value in ((0.0, p.low), (0.5, p.default), (1.0, p.high)):
         natural = np.where(units == unit, value, natural)
-    return np.clip(natural, p.low, p.high)
+    low, high = np.where(units < 0.5, p.low, p.default), np.where(units < 0.5, p.default, p.high)
+    return np.clip(natural, low, high)
 
 
 def _encode(p: Parameter, naturals: Floats) -> Floats:
     outside = ~((naturals >= p.low) & (naturals <= p.high))
     if outside.any():
-        raise ParameterError(f"{p.name} = {naturals[outside][0]:g} lies outside its range [{p.low:g}, {p.high:g}]")
+        raise ParameterError(
+            f"{p.name} = {naturals[outside][0]:g} lies outside its range [{p.low:g}, {p.high:g}]"
+        )
     return np.interp(_SCALES[p.scale][0](naturals), _knots(p), [0.0, 0.5, 1.0])

@@ -16,7 +16,9 @@ def thread_count() -> int:
     if not text:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if not text.isdigit() or int(text) < 1:
-        raise ParameterError(f"ANTGYM_THREADS={text!r}: needs a whole number of at least 1, or leave it unset")
+        raise ParameterError(
+            f"ANTGYM_THREADS={text!r}: needs a whole number of at least 1, or leave it unset"
+        )
     return int(text)
 
 

@@ -1,10 +1,10 @@
 """One paid trial: spaces, tasks, budgets, sessions, agents and the ledger. All that an agent may import."""
 
+from antgym.planners.space import Parameter, ParameterSpace
 from antgym.tuning.agent import Agent, Result, tune
 from antgym.tuning.observation import observe
 from antgym.tuning.problem import COST_CAP, Task
 from antgym.tuning.session import Budget, Session, Trial
-from antgym.planners.space import Parameter, ParameterSpace
 
 __all__ = [
     "COST_CAP",

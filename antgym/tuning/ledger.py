@@ -10,6 +10,8 @@ import fcntl
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from io import FileIO
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple
@@ -64,7 +66,9 @@ class LedgerRun:
 
     def time(self, **seconds: float) -> None:
         """Write seconds spent, apart from the deterministic record."""
-        self._ledger.write_timing({"run": self.key, **{name: round(value, 6) for name, value in seconds.items()}})
+        self._ledger.write_timing(
+            {"run": self.key, **{name: round(value, 6) for name, value in seconds.items()}}
+        )
 
 
 class Ledger:
@@ -81,27 +85,34 @@ class Ledger:
     """
 
     def __init__(
-        self, folder: Path | str, config: Mapping[str, Any], versions: Mapping[str, str], facts: Mapping[str, Any] | None = None
+        self,
+        folder: Path | str,
+        config: Mapping[str, Any],
+        versions: Mapping[str, str],
+        facts: Mapping[str, Any] | None = None,
     ) -> None:
         self.folder = Path(folder)
-        self.folder.mkdir(parents=True, exist_ok=True)
         self._versions = dict(versions)
-        self._trials = (self.folder / TRIALS).open("a+b")
-        try:
-            self._lock()
-            self._manifest = self._open_manifest(dict(config), dict(facts or {}))
+        with ExitStack() as files:
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+                self._trials = files.enter_context((self.folder / TRIALS).open("a+b", buffering=0))
+                self._lock()
+                self._timing = files.enter_context((self.folder / TIMING).open("a+b", buffering=0))
+                self._manifest = self._open_manifest(dict(config), dict(facts or {}))
+            except OSError as error:
+                raise LedgerError(f"{self.folder} cannot hold a ledger: {error}") from None
+            _whole_lines(self._timing)
             self._runs = self._load()
-            self._timing = (self.folder / TIMING).open("a+b")
-        except BaseException:
-            self._trials.close()
-            raise
+            self._files = files.pop_all()
 
     def __enter__(self) -> "Ledger":
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._trials.close()
-        self._timing.close()
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._files.close()
 
     @property
     def manifest(self) -> dict[str, Any]:
@@ -122,7 +133,11 @@ class Ledger:
         """Return the clause of a message that names versions that differ from the manifest's, or nothing."""
         then = self._manifest["versions"]
         names = sorted(set(then) | set(self._versions))
-        changes = [f"{n} {then.get(n)} -> {self._versions.get(n)}" for n in names if then.get(n) != self._versions.get(n)]
+        changes = [
+            f"{n} {then.get(n)} -> {self._versions.get(n)}"
+            for n in names
+            if then.get(n) != self._versions.get(n)
+        ]
         return f" (versions changed: {', '.join(changes)})" if changes else " (no library version changed)"
 
     def write(self, lines: Sequence[Mapping[str, Any]]) -> None:
@@ -137,7 +152,9 @@ class Ledger:
         try:
             fcntl.flock(self._trials, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise LedgerError(f"{self.folder} is in use by another process; wait for it or use another folder") from None
+            raise LedgerError(
+                f"{self.folder} is in use by another process; wait for it or use another folder"
+            ) from None
 
     def _open_manifest(self, config: dict[str, Any], facts: dict[str, Any]) -> dict[str, Any]:
         path = self.folder / MANIFEST
@@ -148,36 +165,60 @@ class Ledger:
             scratch.write_text(json.dumps(manifest, indent=2) + "\n")
             os.replace(scratch, path)
             return manifest
-        found: dict[str, Any] = json.loads(path.read_text())
+        try:
+            found: dict[str, Any] = json.loads(path.read_text())
+        except ValueError as error:
+            raise LedgerError(f"{path} is damaged ({error}); use another folder") from None
         if found.get("schema") != SCHEMA:
-            raise LedgerError(f"{path}: schema {found.get('schema')}, this antgym reads {SCHEMA}; use another folder")
+            raise LedgerError(
+                f"{path}: schema {found.get('schema')}, this antgym reads {SCHEMA}; use another folder"
+            )
         if found["config"] != config:
             keys = sorted(k for k in {*found["config"], *config} if found["config"].get(k) != config.get(k))
-            raise LedgerError(f"{self.folder} was begun with another {', '.join(keys)}; use another folder or the same settings")
+            raise LedgerError(
+                f"{self.folder} was begun with another {', '.join(keys)}; use another folder or the same settings"
+            )
         return found
 
     def _load(self) -> dict[str, LedgerRun]:
-        self._trials.seek(0)
-        data = self._trials.read()
-        whole = data.rfind(b"\n") + 1
-        if whole < len(data):  # cut short by a crash before its fsync returned: nobody was told of it
-            self._trials.truncate(whole)
         runs: dict[str, LedgerRun] = {}
-        for number, line in enumerate(data[:whole].splitlines(), start=1):
+        for number, line in enumerate(_whole_lines(self._trials), start=1):
             try:
                 fields = json.loads(line)
                 run = runs.setdefault(fields["run"], LedgerRun(self, fields["run"], [], None))
                 _enter(run, fields)
             except (ValueError, KeyError, TypeError) as error:
                 place = f"{self.folder / TRIALS}, line {number}"
-                raise LedgerError(f"{place} is damaged ({error}); remove this line's run or use another folder") from None
+                raise LedgerError(
+                    f"{place} is damaged ({error}); remove this line's run or use another folder"
+                ) from None
         return runs
 
 
-def _append(file: Any, lines: Sequence[Mapping[str, Any]]) -> None:
-    file.write(b"".join(json.dumps(line, separators=(",", ":")).encode() + b"\n" for line in lines))
-    file.flush()
-    os.fsync(file.fileno())
+def _whole_lines(file: FileIO) -> list[bytes]:
+    """Return a file's lines; one that a crash cut short is dropped: nobody was told of it."""
+    file.seek(0)
+    data = file.read()
+    whole = data.rfind(b"\n") + 1
+    if whole < len(data):
+        file.truncate(whole)
+    return data[:whole].splitlines()
+
+
+def _append(file: FileIO, lines: Sequence[Mapping[str, Any]]) -> None:
+    """Add lines and wait for the disk; where that fails, the file is what it was before."""
+    before = file.seek(0, os.SEEK_END)
+    rest = b"".join(json.dumps(line, separators=(",", ":")).encode() + b"\n" for line in lines)
+    try:
+        while rest:
+            rest = rest[file.write(rest) :]
+        os.fsync(file.fileno())
+    except BaseException as error:
+        file.truncate(before)
+        if isinstance(error, OSError):
+            advice = "nothing of this batch is kept; make room and give the same command again"
+            raise LedgerError(f"{file.name!s} cannot be written: {error.strerror}; {advice}") from None
+        raise
 
 
 def _record_fields(record: Record) -> dict[str, Any]:

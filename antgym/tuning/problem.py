@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.errors import BudgetError, ParameterError
+from antgym.errors import BudgetError, ParameterError, is_count
 from antgym.maps.world import Scenario
 from antgym.planners.colony import Plans, plan_many
 from antgym.planners.rules import find_rules
@@ -63,8 +63,10 @@ class TuningProblem:
     def __post_init__(self) -> None:
         find_rules(self.rules)
         for name in ("ants", "iterations"):
-            if getattr(self, name) < 1:
-                raise ParameterError(f"{name} = {getattr(self, name)}: a run needs at least one")
+            if not is_count(getattr(self, name)):
+                raise ParameterError(
+                    f"{name} = {getattr(self, name)!r}: a run needs a whole number, at least 1"
+                )
 
     @cached_property
     def space(self) -> ParameterSpace:
@@ -73,16 +75,20 @@ class TuningProblem:
         return rules.ranges.space(self.scenario.straight_line, rules.initial_pheromone)
 
     def task(self, budget: int) -> Task:
-        """Return what an agent may see; BudgetError where the budget is negative."""
-        if budget < 0:
-            raise BudgetError(f"budget = {budget}: must be 0 (zero-shot) or the number of trials to pay for")
+        """Return what an agent may see; BudgetError where the budget is no whole number from 0 on."""
+        if budget != 0 and not is_count(budget):
+            raise BudgetError(
+                f"budget = {budget!r}: must be 0 (zero-shot) or the number of trials to pay for"
+            )
         features = task_features(self.scenario, self.ants, self.iterations)
         return Task(self.space, features, self.ants, self.iterations, budget)
 
     def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
         """Return planner seeds, a pure function of (seed, domain, index), by SeedSequence children."""
         keys = ((domain, index) for index in range(first, first + count))
-        states = [np.random.SeedSequence(self.seed, spawn_key=key).generate_state(1, np.uint64)[0] for key in keys]
+        states = [
+            np.random.SeedSequence(self.seed, spawn_key=key).generate_state(1, np.uint64)[0] for key in keys
+        ]
         return np.array(states, dtype=np.uint64)
 
     def run(self, units: NDArray[np.float64], domain: int, first: int) -> Plans:
@@ -105,7 +111,9 @@ class TuningProblem:
         """
         optimum = self.scenario.optimum
         if (lengths < optimum).any():
-            raise AssertionError(f"{self.scenario.name}: length {lengths.min()} below the exact optimum {optimum}")
+            raise AssertionError(
+                f"{self.scenario.name}: length {lengths.min()} below the exact optimum {optimum}"
+            )
         return np.minimum(lengths / optimum - 1.0, GAP_CAP)
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.errors import BudgetError
+from antgym.errors import BudgetError, ParameterError, is_count
 from antgym.planners.colony import Plans
 from antgym.tuning.problem import TRIAL, Task, TuningProblem, run_together
 
@@ -21,7 +21,7 @@ class Trial(NamedTuple):
         work: moves that ants made.
     """
 
-    index: int
+    index: int  # type: ignore[assignment]  # shadows tuple.index, which nobody wants of a trial
     unit: tuple[float, ...]
     cost: float
     work: int
@@ -55,8 +55,8 @@ class Budget:
     """
 
     def __init__(self, total: int) -> None:
-        if int(total) != total or total < 1:
-            raise BudgetError(f"budget = {total}: a session needs at least one trial")
+        if not is_count(total):
+            raise BudgetError(f"budget = {total!r}: a session needs a whole number of trials, at least one")
         self.total = int(total)
         self.spent = 0
 
@@ -65,12 +65,16 @@ class Budget:
         """Trials that can still be paid for."""
         return self.total - self.spent
 
-    def charge(self, wanted: int) -> int:
-        """Spend up to ``wanted`` trials and return how many; BudgetError when nothing is left."""
+    def check(self, wanted: int) -> None:
+        """Raise BudgetError where ``wanted`` is nothing or nothing is left."""
         if wanted < 1:
             raise BudgetError("an empty batch of settings was asked for; ask for at least one")
         if self.left == 0:
             raise BudgetError(f"all {self.total} trials are spent; stop when session.left is 0")
+
+    def charge(self, wanted: int) -> int:
+        """Spend up to ``wanted`` trials and return how many."""
+        self.check(wanted)
         granted = min(wanted, self.left)
         self.spent += granted
         return granted
@@ -91,12 +95,12 @@ class Session:
     """
 
     def __init__(self, problem: TuningProblem, budget: int, journal: Journal | None = None) -> None:
+        self._budget = Budget(budget)
         self.problem = problem
-        self.task: Task = problem.task(budget)
+        self.task: Task = problem.task(self._budget.total)
         self.trials: tuple[Trial, ...] = ()
         self.lengths: tuple[float, ...] = ()
         self.last: Plans | None = None
-        self._budget = Budget(budget)
         self._journal = journal
 
     @property
@@ -116,10 +120,15 @@ class Session:
         """
         return evaluate_together([(self, units)])[0]
 
-    def _claim(self, units: ArrayLike) -> tuple[NDArray[np.float64], list[Record]]:
-        """Check, charge, and split a batch into what a journal already holds and what is left to run."""
+    def _check(self, units: ArrayLike) -> NDArray[np.float64]:
+        """Return a batch that can be paid for; charges nothing."""
         batch = self.problem.space.check(units)
-        first = self._budget.spent
+        self._budget.check(len(batch))
+        return batch
+
+    def _claim(self, batch: NDArray[np.float64]) -> tuple[NDArray[np.float64], list[Record]]:
+        """Charge a batch and split it into what a journal already holds and what is left to run."""
+        first = len(self.trials)
         batch = batch[: self._budget.charge(len(batch))]
         replayed: list[Record] = []
         if self._journal is not None:
@@ -130,7 +139,9 @@ class Session:
                 replayed.append(record)
         return batch[len(replayed) :], replayed
 
-    def _settle(self, units: NDArray[np.float64], replayed: list[Record], plans: Plans | None) -> tuple[Trial, ...]:
+    def _settle(
+        self, units: NDArray[np.float64], replayed: list[Record], plans: Plans | None
+    ) -> tuple[Trial, ...]:
         records = list(replayed)
         if plans is not None:
             first = len(self.trials) + len(replayed)
@@ -145,9 +156,21 @@ class Session:
 
 
 def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tuple[Trial, ...]]:
-    """Pay for the settings of several sessions in one planner call; the results are those of single calls."""
-    claims = [(session, *session._claim(units)) for session, units in requests]
-    todo = [(s.problem, units, TRIAL, len(s.trials) + len(replayed)) for s, units, replayed in claims if len(units)]
+    """Pay for the settings of several sessions in one planner call; the results are those of single calls.
+
+    Raises:
+        ParameterError: on settings that cannot be used, or a session that appears twice (nobody is charged).
+        BudgetError: when one of them has no trial left (nobody is charged).
+    """
+    checked = [(session, session._check(units)) for session, units in requests]
+    if len({id(session) for session, _ in checked}) < len(checked):
+        raise ParameterError("a session appears twice in one batch; hand over its settings as one request")
+    claims = [(session, *session._claim(batch)) for session, batch in checked]
+    todo = [
+        (s.problem, units, TRIAL, len(s.trials) + len(replayed))
+        for s, units, replayed in claims
+        if len(units)
+    ]
     plans = iter(run_together(todo))
     return [s._settle(units, old, next(plans) if len(units) else None) for s, units, old in claims]
 
@@ -166,6 +189,8 @@ def _records(problem: TuningProblem, units: NDArray[np.float64], plans: Plans, f
     costs = problem.cost(plans.lengths).tolist()
     seeds = problem.seeds(TRIAL, first, len(units)).tolist()
     return [
-        Record(Trial(first + i, tuple(unit), costs[i], int(plans.moves[i])), float(plans.lengths[i]), seeds[i])
+        Record(
+            Trial(first + i, tuple(unit), costs[i], int(plans.moves[i])), float(plans.lengths[i]), seeds[i]
+        )
         for i, unit in enumerate(units.tolist())
     ]

@@ -9,7 +9,7 @@
   function paintGround() {
     const { ground } = figure;
     if (ground.type === "mesh3d") {
-      ground.color = colour("ground-high");
+      ground.color = colour(ground.opacity < 1 ? "ground-high" : "ground-middle");
       return;
     }
     ground.colorscale = [[0, colour("ground-low")], [0.5, colour("ground-middle")], [1, colour("ground-high")]];
@@ -45,7 +45,7 @@
   }
 
   function stepBack() {
-    const narrow = Math.max(1, (1.2 * scene.clientHeight) / scene.clientWidth);
+    const narrow = Math.max(1, (1.55 * scene.clientHeight) / scene.clientWidth);
     const { eye } = figure.layout.scene.camera;
     for (const axis of ["x", "y", "z"]) eye[axis] *= narrow;
   }

@@ -3,7 +3,8 @@
 import math
 from html import escape
 
-from experiments.board import COLUMNS, Board, Row, cells, percent
+from experiments.board import Board, Row
+from experiments.columns import COLUMNS, cells, percent
 
 LEFT, WIDTH = 1.5, 97.0  # the plot's scale, per cent of a track; the rest keeps dots at its ends whole
 MOST_TICKS = 6
@@ -20,7 +21,8 @@ def headings() -> str:
     kinds = ["number", "text", *["number"] * len(COLUMNS)]
     at_first = ["none", "none", "ascending", *["none"] * (len(COLUMNS) - 1)]
     return "".join(
-        f'<th scope="col" class="{kind}" aria-sort="{order}"><button type="button">{escape(_unbroken(title))}</button></th>'
+        f'<th scope="col" class="{kind}" aria-sort="{order}">'
+        f'<button type="button">{escape(_unbroken(title))}</button></th>'
         for title, kind, order in zip(titles, kinds, at_first, strict=True)
     )
 
@@ -65,21 +67,23 @@ def intervals(board: Board) -> str:
 
 
 def _track(row: Row, top: float, backdrop: str) -> str:
-    mean, low, high = (percent(value) for value in (row.mean, *(row.interval or (row.mean, row.mean))))
-    text = f"{mean} <span>[{low}–{high}]</span>" if row.interval else mean
-    bar = _bar("bar", row.interval, top) if row.interval else ""
+    mean, bar, spoken, text = percent(row.mean), "", "", ""
+    if row.interval:
+        low, high = map(percent, row.interval)
+        bar = _bar(row.interval, top)
+        spoken, text = f", 95 % interval {low} to {high} %", f" <span>[{low}–{high}]</span>"
     tick = _at(row.interquartile, top)
     return (
         f'<div class="{row.kind}"><span class="name">{label(row.name)}</span>'
-        f'<svg role="img" aria-label="mean gap {mean} %, 95 % interval {low} to {high} %">{backdrop}{bar}'
+        f'<svg role="img" aria-label="mean gap {mean} %{spoken}">{backdrop}{bar}'
         f'<line class="middle" x1="{tick}" x2="{tick}" y1="25%" y2="75%"/>'
-        f'<circle cx="{_at(row.mean, top)}" cy="50%" r="5"/></svg><span class="value">{text}</span></div>'
+        f'<circle cx="{_at(row.mean, top)}" cy="50%" r="5"/></svg><span class="value">{mean}{text}</span></div>'
     )
 
 
-def _bar(kind: str, ends: tuple[float, float], top: float) -> str:
+def _bar(ends: tuple[float, float], top: float) -> str:
     low, high = ends
-    return f'<line class="{kind}" x1="{_at(low, top)}" x2="{_at(high, top)}" y1="50%" y2="50%"/>'
+    return f'<line class="bar" x1="{_at(low, top)}" x2="{_at(high, top)}" y1="50%" y2="50%"/>'
 
 
 def _backdrop(board: Board, ticks: list[float]) -> str:
@@ -109,7 +113,9 @@ def _tick_label(tick: float) -> str:
 def heat(board: Board) -> str:
     """Return the table of gaps, maps × rows, each cell shaded by the square root of its gap."""
     top = max(max(row.scenario_means) for row in board.rows) or 1.0
-    names = "".join(f'<th scope="col" class="{row.kind}"><span>{label(row.name)}</span></th>' for row in board.ranked)
+    names = "".join(
+        f'<th scope="col" class="{row.kind}"><span>{label(row.name)}</span></th>' for row in board.ranked
+    )
     rows = [
         f'<tr><th scope="row">{label(name)}</th>{_heat_cells(board, i, top)}</tr>'
         for i, name in enumerate(board.scenarios)
@@ -119,7 +125,9 @@ def heat(board: Board) -> str:
 
 def _heat_cells(board: Board, scenario: int, top: float) -> str:
     gaps = [row.scenario_means[scenario] for row in board.ranked]
-    best = min((gap for gap, row in zip(gaps, board.ranked, strict=True) if row.kind == "agent"), default=-1.0)
+    best = min(
+        (gap for gap, row in zip(gaps, board.ranked, strict=True) if row.kind == "agent"), default=-1.0
+    )
     return "".join(
         f'<td style="--share:{100 * math.sqrt(max(gap, 0.0) / top):.0f}%">{_strong(percent(gap), gap, best, row)}</td>'
         for gap, row in zip(gaps, board.ranked, strict=True)

@@ -13,7 +13,8 @@ from string import Template
 from typing import Any
 
 from antgym.errors import MissingExtraError
-from experiments.board import COLUMNS, EXACT, TIE, Board, Picture, Row, cells, percent, size
+from experiments.board import EXACT, Board, Picture, Row
+from experiments.columns import COLUMNS, TIE, percent, size
 from experiments.report import marks
 from experiments.report.picture import drawn, figure, stretch
 
@@ -77,11 +78,16 @@ def _result(board: Board) -> str:
     if not agents:
         return ""
     best, *others = agents
-    interval = "" if best.interval is None else " (95\N{NO-BREAK SPACE}% interval {} to {})".format(*map(percent, best.interval))
-    text = f"<strong>{escape(best.name)}</strong> is ahead with a mean gap of {percent(best.mean)}\N{NO-BREAK SPACE}%{interval}"
+    space = "\N{NO-BREAK SPACE}"
+    interval = f" (95{space}% interval {_range(*best.interval)})" if best.interval else ""
+    text = f"<strong>{escape(best.name)}</strong> is ahead with a mean gap of {percent(best.mean)}{space}%{interval}"
     if others and board.places[others[0].name].tied:
         return f"{text}, but is not told apart from <strong>{escape(others[0].name)}</strong>."
     return f"{text}."
+
+
+def _range(low: float, high: float) -> str:
+    return f"{percent(low)} to {percent(high)}"
 
 
 def _definition(name: str, text: Any) -> str:
@@ -128,7 +134,8 @@ def _toggle(picture: Picture, name: str, index: int) -> str:
     hue = "exact" if exact else f"hue-{(index - 1) % HUES}"
     return (
         f'<li><button type="button" class="{hue}" data-line="{index}" aria-pressed="false">'
-        f'<span class="swatch"></span><span class="name">{marks.label(name)}</span> <span class="note">{note}</span></button></li>'
+        f'<span class="swatch"></span><span class="name">{marks.label(name)}</span> '
+        f'<span class="note">{note}</span></button></li>'
     )
 
 

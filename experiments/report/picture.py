@@ -13,6 +13,7 @@ from experiments.board import EXACT, Board, Picture
 Points = NDArray[np.float64]
 DECIMALS = 3
 FLATTEST = 0.3  # height of the drawn box over its longer side; flatter worlds are stretched to it
+DIAGONAL = 2.0  # of the drawn box, in plotly's units: what the camera below has in view
 CONTOURS = 12
 AT_FIRST = 3  # paths of agents shown before the reader asks for more
 
@@ -31,42 +32,64 @@ def drawn(board: Board, picture: Picture) -> list[str]:
 
 
 def stretch(picture: Picture) -> float:
-    """Return how much higher the picture draws heights than they are, at least 1."""
+    """Return how much higher the picture draws heights than they are: 1, or more for a flat ground."""
     width, depth, height = _extent(picture)
+    if _heights(picture) is None:
+        return 1.0
     return float(max(1.0, FLATTEST * max(width, depth) / height))
 
 
 def _extent(picture: Picture) -> Points:
     """Return the edges of the drawn box: air above both the ground and the paths is left out."""
     extent = np.array(picture.free.shape) * picture.cell
-    if picture.heights is not None:
+    heights = _heights(picture)
+    if heights is not None:
         highest = max((path[:, 2].max() + 1 for path in picture.paths.values() if len(path)), default=1)
-        extent[2] = max(float(picture.heights.max()), highest * picture.cell[2])
+        extent[2] = max(float(heights.max()), highest * picture.cell[2])
     return extent
+
+
+def _heights(picture: Picture) -> Points | None:
+    """Return the heights of the ground, if need be as tops of blocked cells; None for caves and flat worlds."""
+    if picture.heights is not None:
+        return picture.heights
+    if picture.free.shape[2] == 1 or (np.diff(picture.free.astype(np.int8), axis=2) < 0).any():
+        return None
+    tops: Points = (picture.free == 0).sum(axis=2) * picture.cell[2]
+    return tops
 
 
 def _layout(picture: Picture) -> dict[str, Any]:
     extent = _extent(picture)
-    aspect = 1.35 * extent / extent[:2].max() * [1, 1, stretch(picture)]
+    box = extent * [1, 1, stretch(picture)]
+    aspect = DIAGONAL * box / np.linalg.norm(box)
     axes = {
         f"{axis}axis": {
             "title": {"text": title},
-            "range": [0.0, round(float(edge), DECIMALS)],
+            "range": [-0.005 * edge, 1.005 * edge],  # a plateau at the very end would flicker
             "nticks": 5,
             "showbackground": False,
             "showspikes": False,
             "zeroline": False,
         }
-        for axis, title, edge in zip("xyz", ("x", "y", "height"), extent, strict=True)
+        for axis, title, edge in zip("xyz", ("x", "y", "height"), extent.tolist(), strict=True)
     }
+    axes["zaxis"]["visible"] = picture.free.shape[2] > 1
     camera = {
-        "eye": {"x": -0.7, "y": -1.25, "z": 1.4},
-        "center": {"x": 0, "y": 0, "z": -0.15},
+        "eye": {"x": -0.62, "y": -1.1, "z": 1.62},
+        "center": {"x": 0, "y": 0, "z": -0.2},
         "projection": {"type": "perspective"},
     }
     ratio = dict(zip("xyz", aspect.round(DECIMALS).tolist(), strict=True))
     return {
-        "scene": {**axes, "aspectmode": "manual", "aspectratio": ratio, "camera": camera, "dragmode": "turntable", "annotations": _ends(picture)},
+        "scene": {
+            **axes,
+            "aspectmode": "manual",
+            "aspectratio": ratio,
+            "camera": camera,
+            "dragmode": "turntable",
+            "annotations": _ends(picture),
+        },
         "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
         "showlegend": False,
         "paper_bgcolor": "rgba(0,0,0,0)",
@@ -75,19 +98,20 @@ def _layout(picture: Picture) -> dict[str, Any]:
 
 
 def _ground(picture: Picture) -> dict[str, Any]:
-    if picture.heights is None:
+    heights = _heights(picture)
+    if heights is None:
         return _walls(picture.free, picture.cell)
-    nx, ny = picture.heights.shape
+    nx, ny = heights.shape
     dx, dy, _ = picture.cell
     return {
         "type": "surface",
         "x": _numbers((np.arange(nx) + 0.5) * dx),
         "y": _numbers((np.arange(ny) + 0.5) * dy),
-        "z": _numbers(picture.heights.T),  # plotly's rows run along y
+        "z": _numbers(heights.T),  # plotly's rows run along y
         "showscale": False,
         "hoverinfo": "skip",
         "lighting": {"ambient": 0.75, "diffuse": 0.55, "roughness": 0.95, "specular": 0.02, "fresnel": 0.01},
-        "contours": {"x": {"highlight": False}, "y": {"highlight": False}, "z": _contours(picture.heights)},
+        "contours": {"x": {"highlight": False}, "y": {"highlight": False}, "z": _contours(heights)},
     }
 
 
@@ -98,7 +122,13 @@ def _contours(heights: Points) -> dict[str, Any]:
 
 
 def _walls(free: NDArray[np.uint8], cell: tuple[float, float, float]) -> dict[str, Any]:
-    """Return the faces between free and blocked cells as a see-through mesh; the box itself stays open."""
+    """Return the faces between free and blocked cells as a see-through mesh; the box itself stays open.
+
+    A flat world gets solid blocks with lids instead: there is nothing to see through to.
+    """
+    flat = free.shape[2] == 1
+    if flat:
+        free = np.pad(free, ((0, 0), (0, 0), (0, 1)), constant_values=1)
     corners = np.concatenate([_faces(free, axis) for axis in range(3)]) * cell
     first = 4 * np.arange(len(corners) // 4)
     triangles = np.concatenate([first + np.array([[0], [1], [2]]), first + np.array([[0], [2], [3]])], axis=1)
@@ -106,7 +136,7 @@ def _walls(free: NDArray[np.uint8], cell: tuple[float, float, float]) -> dict[st
         "type": "mesh3d",
         **dict(zip("xyz", map(_numbers, corners.T), strict=True)),
         **dict(zip("ijk", triangles.tolist(), strict=True)),
-        "opacity": 0.22,
+        "opacity": 1.0 if flat else 0.22,
         "flatshading": True,
         "hoverinfo": "skip",
     }
@@ -137,7 +167,13 @@ def _ends(picture: Picture) -> list[dict[str, Any]]:
         return []
     centres = (path[[0, -1]] + 0.5) * picture.cell
     return [
-        {**dict(zip("xyz", _numbers(centre), strict=True)), "text": text, "ax": side * 24, "ay": -34, "arrowwidth": 1}
+        {
+            **dict(zip("xyz", _numbers(centre), strict=True)),
+            "text": text,
+            "ax": side * 24,
+            "ay": -34,
+            "arrowwidth": 1,
+        }
         for centre, text, side in zip(centres, ("start", "goal"), (-1, 1), strict=True)
     ]
 
@@ -146,6 +182,6 @@ def _centres(picture: Picture, path: NDArray[np.int64]) -> dict[str, list[float]
     return dict(zip("xyz", map(_numbers, ((path + 0.5) * picture.cell).T), strict=True))
 
 
-def _numbers(array: Points) -> list[Any]:
+def _numbers(array: NDArray[np.floating[Any]]) -> list[Any]:
     numbers: list[Any] = array.round(DECIMALS).tolist()
     return numbers

@@ -51,9 +51,13 @@ def test_colony_walks_the_same_ants_as_the_twin(seed, parameters, rules, check, 
     assert_twins(scenario, parameters, rules=rules, ants=4, iterations=6, seed=seed)
 
 
-@pytest.mark.parametrize("parameters", [(3, 2, 1e-9, 1e9), (0.01, 0.5, 1e-6, 1e-6), (50, 50, 0.01, 1e6), (5, 1, 0.5, 1e12)])
+@pytest.mark.parametrize(
+    "parameters", [(3, 2, 1e-9, 1e9), (0.01, 0.5, 1e-6, 1e-6), (50, 50, 0.01, 1e6), (5, 1, 0.5, 1e12)]
+)
 def test_twins_agree_where_scale_folds_and_rows_outgrow_their_peak(parameters):
-    assert_twins(random_scenario(3, size=5, blocked=0.1), parameters, rules=RULES[2], ants=5, iterations=40, seed=9)
+    assert_twins(
+        random_scenario(3, size=5, blocked=0.1), parameters, rules=RULES[2], ants=5, iterations=40, seed=9
+    )
 
 
 SCRIPT = """
@@ -73,7 +77,13 @@ print(json.dumps(out))
 
 def run_script(**environment):
     script = SCRIPT.format(tests=str(Path(__file__).parents[1]))
-    done = subprocess.run([sys.executable, "-W", "error", "-c", script], env={**os.environ, **environment}, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", script],
+        check=False,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -88,8 +98,12 @@ def test_mean_length_agrees_with_the_textbook_colony_over_a_thousand_seeds(valle
     """A slightly wrong polynomial shifts the mean by sigmas while every single plan looks fine."""
     parameters, effort = (1.0, 3.0, 0.7, 60.0), {"ants": 4, "iterations": 4}
     fast = plan_many([valley] * 4000, [parameters] * 4000, rules=rules, **effort, seeds=range(4000)).lengths
-    slow = np.array([reference.textbook(valley, parameters, rules=rules, **effort, seed=s) for s in range(1000)])
-    fast, slow = (np.minimum(lengths, 3 * valley.optimum) for lengths in (fast, slow))  # no path counts as this long
+    slow = np.array(
+        [reference.textbook(valley, parameters, rules=rules, **effort, seed=s) for s in range(1000)]
+    )
+    fast, slow = (
+        np.minimum(lengths, 3 * valley.optimum) for lengths in (fast, slow)
+    )  # no path counts as this long
     error = np.hypot(fast.std() / np.sqrt(len(fast)), slow.std() / np.sqrt(len(slow)))
     assert abs(fast.mean() - slow.mean()) < 3 * error
 
@@ -97,7 +111,9 @@ def test_mean_length_agrees_with_the_textbook_colony_over_a_thousand_seeds(valle
 @given(seed=st.integers(0, 10_000), parameters=PARAMETERS)
 @settings(max_examples=60, deadline=None)
 def test_paths_are_valid_and_never_shorter_than_the_optimum(seed, parameters):
-    scenario = random_scenario(seed, size=8, blocked=0.4, cell=(0.1, 0.3, 334.503) if seed % 2 else (15.0, 15.0, 15.0))
+    scenario = random_scenario(
+        seed, size=8, blocked=0.4, cell=(0.1, 0.3, 334.503) if seed % 2 else (15.0, 15.0, 15.0)
+    )
     found = plan(scenario, parameters, ants=5, iterations=5, seed=seed)
     if not found.solved:
         assert found.path.shape == (0, 3)
@@ -128,16 +144,23 @@ def test_scaling_initial_pheromone_and_deposit_together_changes_nothing(power, s
     """Only κ = Q / (L · τ₀) acts (liu2020 (2), (3))."""
     scenario, c = random_scenario(seed, size=6, blocked=0.2), 2.0**power
     one = plan(scenario, (1.3, 0.8, 0.6, 40), rules=Rules(), iterations=15, seed=seed)
-    other = plan(scenario, (1.3, 0.8, 0.6, 40 * c), rules=Rules(initial_pheromone=c), iterations=15, seed=seed)
+    other = plan(
+        scenario, (1.3, 0.8, 0.6, 40 * c), rules=Rules(initial_pheromone=c), iterations=15, seed=seed
+    )
     assert one.mean.tolist() == other.mean.tolist()
 
 
 def test_batch_order_and_threads_change_nothing(monkeypatch):
     scenarios = [random_scenario(seed, size=5 + seed % 4, blocked=0.2) for seed in range(30)]
     values = np.random.default_rng(0).uniform([0.1, 0.1, 0.1, 1], [3, 5, 0.95, 100], (30, 4))
-    arguments = {"rules": [["liu2020", "liu2020-paper"][i % 2] for i in range(30)], "ants": list(range(1, 31))}
+    arguments = {
+        "rules": [["liu2020", "liu2020-paper"][i % 2] for i in range(30)],
+        "ants": list(range(1, 31)),
+    }
     monkeypatch.setenv("ANTGYM_THREADS", "1")
-    alone = plan_many(scenarios, values, **arguments, iterations=[3 + i % 9 for i in range(30)], seeds=range(30))
+    alone = plan_many(
+        scenarios, values, **arguments, iterations=[3 + i % 9 for i in range(30)], seeds=range(30)
+    )
     monkeypatch.setenv("ANTGYM_THREADS", "2")
     order = np.random.default_rng(1).permutation(30)
     mixed = plan_many(
@@ -149,7 +172,9 @@ def test_batch_order_and_threads_change_nothing(monkeypatch):
         seeds=order,
     )
     assert mixed.lengths.tolist() == alone.lengths[order].tolist()
-    assert [mixed.plan(k).path.tolist() for k in range(30)] == [alone.plan(i).path.tolist() for i in order.tolist()]
+    assert [mixed.plan(k).path.tolist() for k in range(30)] == [
+        alone.plan(i).path.tolist() for i in order.tolist()
+    ]
 
 
 def test_another_seed_gives_another_walk(valley):
@@ -174,7 +199,11 @@ def test_a_colony_paused_anywhere_is_the_plan_of_one_block(blocks, seed):
     for block in blocks:
         colony.advance(parameters, block)
     paused = colony.result()
-    assert (paused.length, paused.mean.tolist(), paused.moves) == (whole.length, whole.mean.tolist(), whole.moves)
+    assert (paused.length, paused.mean.tolist(), paused.moves) == (
+        whole.length,
+        whole.mean.tolist(),
+        whole.moves,
+    )
     assert paused.path.tolist() == whole.path.tolist()
 
 
@@ -191,7 +220,9 @@ def test_segment_checks_only_remove_paths():
     free[1] = False
     free[1, 3, 2] = True  # reached from (0, 1, 2) by dy = 2, whose segment crosses (0, 2, 2) and (1, 2, 2)
     ends = ((0, 1, 2), (2, 3, 2))
-    loose, strict = (Scenario(GridWorld(free), *ends, Motion(check_segments=check)) for check in (False, True))
+    loose, strict = (
+        Scenario(GridWorld(free), *ends, Motion(check_segments=check)) for check in (False, True)
+    )
     assert loose.optimum == pytest.approx(15 * (np.sqrt(5) + 1))
     with pytest.raises(ScenarioError, match="no path leads"):
         _ = strict.optimum
@@ -201,7 +232,9 @@ def test_segment_checks_only_remove_paths():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_the_optimum_is_what_enumeration_finds(seed):
-    scenario = random_scenario(seed, size=6, blocked=0.3, check_segments=seed % 2 == 0, cell=(10.0, 12.0, 5.0))
+    scenario = random_scenario(
+        seed, size=6, blocked=0.3, check_segments=seed % 2 == 0, cell=(10.0, 12.0, 5.0)
+    )
     exact = reference.shortest(scenario)
     if not np.isfinite(exact):
         with pytest.raises(ValueError, match="no path leads"):
@@ -236,6 +269,12 @@ def test_kernels_compile_once():
     """A second signature would mean that some caller hands over another dtype, and a second compilation."""
     from antgym.kernels import ants, paths
 
-    plan_many([random_scenario(0), random_scenario(1, size=9)], [(1, 1, 0.5, 1)] * 2, ants=[2, 3], iterations=4, seeds=[1, 2])
+    plan_many(
+        [random_scenario(0), random_scenario(1, size=9)],
+        [(1, 1, 0.5, 1)] * 2,
+        ants=[2, 3],
+        iterations=4,
+        seeds=[1, 2],
+    )
     for compiled in (ants.plan_range, ants.begin, ants.advance, paths.layered_distances):
         assert len(compiled.signatures) <= 1

@@ -27,7 +27,14 @@ def row(name="ga", gaps=((0.1, 0.2), (0.3, 0.4)), kind="agent", **changes):
 
 def board(*rows, **changes):
     """A board of these rows; scenario names follow from the first."""
-    plain = {"title": "A board", "command": "antgym bench", "budget": 20, "seeds": 2, "manifest": {}, "picture": None}
+    plain = {
+        "title": "A board",
+        "command": "antgym bench",
+        "budget": 20,
+        "seeds": 2,
+        "manifest": {},
+        "picture": None,
+    }
     names = tuple(f"map-{i}" for i in range(len(rows[0].gaps)))
     return Board(rows=tuple(rows), **{"scenarios": names, **plain, **changes})
 
@@ -38,8 +45,22 @@ def fake_board(**changes):
     hardness = rng.lognormal(0, 0.5, (len(SCENARIOS), 1))
     rows = [_agent(rng, hardness, name, *facts) for name, facts in AGENTS.items()]
     rows += [
-        row("best static setting", _gaps(rng, hardness, 0.14), "reference", training=96_000, success=0.97, planner_seconds=0.41, summary="the setting that is best on the training maps"),
-        row(EXACT, np.zeros((len(SCENARIOS), SEEDS)), "reference", planner_seconds=0.012, summary="shortest path by dynamic programming"),
+        row(
+            "best static setting",
+            _gaps(rng, hardness, 0.14),
+            "reference",
+            training=96_000,
+            success=0.97,
+            planner_seconds=0.41,
+            summary="the setting that is best on the training maps",
+        ),
+        row(
+            EXACT,
+            np.zeros((len(SCENARIOS), SEEDS)),
+            "reference",
+            planner_seconds=0.012,
+            summary="shortest path by dynamic programming",
+        ),
     ]
     plain = {
         "title": "Mountains: twenty trials per map",
@@ -47,7 +68,14 @@ def fake_board(**changes):
         "seeds": SEEDS,
         "scenarios": SCENARIOS,
         "manifest": {
-            "versions": {"antgym": "0.1.0", "numpy": "2.4.6", "numba": "0.68.0", "optuna": "5.0.0", "pymoo": "0.6.2", "python": "3.11.7"},
+            "versions": {
+                "antgym": "0.1.0",
+                "numpy": "2.4.6",
+                "numba": "0.68.0",
+                "optuna": "5.0.0",
+                "pymoo": "0.6.2",
+                "python": "3.11.7",
+            },
             "host": {"cpu": "AMD EPYC 7B13", "threads": 2},
             "suite": "mountains-v1/test 9c31f0a2",
         },
@@ -78,7 +106,7 @@ def _agent(rng, hardness, name, median, deploy, training, summary):
 
 
 def mountain(rng, shape=(32, 32, 24), edge=15.0):
-    """A range with peaks, and for every agent the path that is shortest on ground it sees the more dimly the worse it is."""
+    """A range with peaks, and paths that are shortest on a ground which the worse agents see more dimly."""
     x, y = np.mgrid[0 : shape[0], 0 : shape[1]] / shape[0]
     heights = 30 + 14 * np.sin(5 * x + 1) * np.cos(7 * y)
     for _ in range(14):
@@ -86,7 +114,9 @@ def mountain(rng, shape=(32, 32, 24), edge=15.0):
         heights += rng.uniform(30, 120) * np.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (2 * width**2))
     free = (edge * np.arange(shape[2]) >= heights[:, :, None]).astype(np.uint8)
     noises = {EXACT: 0.0, **{name: 1.6 * facts[0] for name, facts in AGENTS.items()}}
-    paths = {name: _walk(free, edge, rng.lognormal(0, 4 * noise, shape[:2])) for name, noise in noises.items()}
+    paths = {
+        name: _walk(free, edge, rng.lognormal(0, 4 * noise, shape[:2])) for name, noise in noises.items()
+    }
     lengths = {name: _length(path, edge) for name, path in paths.items()}
     return Picture("mountains-21-003", heights, free, (edge,) * 3, paths, lengths, lengths[EXACT])
 
