@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from agents.graph import TransferGraph, trials_needed
 from agents.static import StaticSetting, race
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.problem import TuningProblem
-from antgym.tuning.session import Session
+from antgym.tuning.session import Session, Trial
 from experiments.console import progress
 from experiments.presets import Preset
 from experiments.train import Arguments, train
@@ -60,27 +61,36 @@ def problem(item: SuiteItem, *parts: str | int) -> TuningProblem:
     return TuningProblem(item.scenario, item.rules, item.ants, item.iterations, seed)
 
 
+class _Watched(Session):
+    """A session that moves a progress bar."""
+
+    def __init__(self, task: TuningProblem, budget: int, advance: Callable[[int], None]) -> None:
+        super().__init__(task, budget)
+        self._advance = advance
+
+    def evaluate(self, units: ArrayLike) -> tuple[Trial, ...]:
+        trials = super().evaluate(units)
+        self._advance(len(trials))
+        return trials
+
+
 def _race(suite: str, preset: Preset) -> StaticSetting:
     from scipy.stats import qmc
 
     items = load_suite(suite, "train")[: preset.race_maps]
     candidates = qmc.Sobol(4, seed=0).random(preset.race_settings)
-    with progress("racing for the best static setting", 1) as advance:
-        sessions = [Session(problem(item, "race"), preset.race_settings) for item in items]
-        winner = race(sessions, np.clip(candidates, 0, 1))
-        advance(1)
-    return winner
+    with progress("racing for the best static setting", None) as advance:
+        sessions = [_Watched(problem(item, "race"), preset.race_settings, advance) for item in items]
+        return race(sessions, np.clip(candidates, 0, 1))
 
 
 def _fit(suite: str, preset: Preset) -> TransferGraph:
     items = load_suite(suite, "train")[: preset.sources]
     budget = trials_needed(len(items), preset.source_search, REPEATS)
-    with progress(f"fitting the transfer graph on {len(items)} source maps", 1) as advance:
-        sessions = [Session(problem(item, "graph"), budget) for item in items]
+    with progress(f"fitting the transfer graph on {len(items)} maps", budget * len(items)) as advance:
+        sessions = [_Watched(problem(item, "graph"), budget, advance) for item in items]
         names = [item.name for item in items]
-        graph = TransferGraph.fit(sessions, names=names, search=preset.source_search, repeats=REPEATS)
-        advance(1)
-    return graph
+        return TransferGraph.fit(sessions, names=names, search=preset.source_search, repeats=REPEATS)
 
 
 def _train(policy: Path, preset: Preset) -> None:

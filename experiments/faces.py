@@ -33,7 +33,7 @@ def show(
     seconds = _seconds(folder / TIMING)
     rows = [_row(entrant, ledger, items, preset, seconds) for entrant in contest]
     board = Board(
-        title="antgym leaderboard: real terrain",
+        title="Real terrain",
         command=f"python -m experiments.leaderboard --preset {config['preset']}",
         rows=(*rows, _exact(items, preset)),
         scenarios=tuple(item.name for item in items),
@@ -122,9 +122,9 @@ def _picture(contest: "Sequence[Entrant]", ledger: Ledger, item: SuiteItem) -> P
             outcome = ledger.run(f"{entrant.name}/{item.name}/0").outcome
             assert isinstance(outcome, Outcome)
             plan = task.run(np.array([outcome.unit]), FRESH, 0).plan(0)
+            lengths[entrant.name] = plan.length
             if plan.solved:
                 paths[entrant.name] = plan.path
-                lengths[entrant.name] = plan.length
     heights = (world.free == 0).sum(axis=2) * world.cell[2]
     return Picture(
         item.name, heights.astype(float), np.array(world.free), world.cell, paths, lengths, scenario.optimum

@@ -68,8 +68,8 @@ def standard_scenario(size: int = 21) -> Scenario:
     heights = sum(h * np.exp(-((x - px) ** 2 + (y - py) ** 2) / w) for h, px, py, w in peaks)
     world = voxelise(np.asarray(heights) * 15.0 * (size - 1) / 20, size, (15.0, 15.0, 15.0))
     middle = size // 2
-    ends = ((i, middle, int(world.free[i, middle].argmax())) for i in (0, size - 1))
-    return Scenario(world, *ends, name="standard")
+    start, goal = ((i, middle, int(world.free[i, middle].argmax())) for i in (0, size - 1))
+    return Scenario(world, start, goal, name="standard")
 
 
 @numba.njit
@@ -104,12 +104,12 @@ def plain_colony(
                     yn, zn = y + crossed[2, k, 1], z + crossed[2, k, 2]
                     left = 2 * (layers - layer - 1)
                     feasible = 0.0  # S of (6)
-                    if abs(yn - goal[1]) <= left and abs(zn - goal[2]) <= left:
-                        if 0 <= yn < ny and 0 <= zn < nz:
-                            feasible = 1.0
-                            for part in range(3):
-                                dx, dy, dz = crossed[part, k, 0], crossed[part, k, 1], crossed[part, k, 2]
-                                feasible *= free[x + dx, y + dy, z + dz]
+                    reachable = abs(yn - goal[1]) <= left and abs(zn - goal[2]) <= left
+                    if reachable and 0 <= yn < ny and 0 <= zn < nz:
+                        feasible = 1.0
+                        for part in range(3):
+                            dx, dy, dz = crossed[part, k, 0], crossed[part, k, 1], crossed[part, k, 2]
+                            feasible *= free[x + dx, y + dy, z + dz]
                     step = cell * np.sqrt(1.0 + (yn - y) ** 2 + (zn - z) ** 2)
                     far = (goal[0] - x - 1) ** 2 + (goal[1] - yn) ** 2 + (goal[2] - zn) ** 2
                     eta = feasible / (step + cell * np.sqrt(far))

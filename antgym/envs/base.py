@@ -1,24 +1,39 @@
 """What every regime shares: how an episode's scenario is drawn, how actions and rewards are read."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from inspect import cleandoc
+from numbers import Integral
+from typing import Any, TypeVar
 
 import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.errors import ParameterError, nearest
+from antgym.errors import ParameterError, is_count, nearest
+from antgym.maps.features import feature_table
 from antgym.maps.suites import SPLITS, load_suite
 from antgym.planners.colony import Plans
 from antgym.planners.parameters import ColonyParameters
+from antgym.planners.rules import PAPERS
 from antgym.planners.space import named_values
+from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.observation import bounds, observe
 from antgym.tuning.problem import COST_CAP, Request, TuningProblem
 from antgym.tuning.session import Session, Trial, evaluate_together
 
 REWARDS = ("gap", "length", "improvement")
 Step = tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]
+_Regime = TypeVar("_Regime", bound="type[TuningEnv]")
+
+
+def documented(regime: _Regime) -> _Regime:
+    """Fill the tables of a regime's docstring in from what the environment itself reads."""
+    if regime.__doc__:  # python -OO strips it
+        actions = PAPERS["liu2020"].ranges.space(straight_line=1.0).to_markdown()
+        text = cleandoc(regime.__doc__)
+        regime.__doc__ = text.format(actions=actions, observations=feature_table(TASK_FEATURES))
+    return regime
 
 
 class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
@@ -29,24 +44,21 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"``.
         effort: (ants, iterations) for every scenario instead of each scenario's own.
         reward: ``"gap"``, ``"length"`` or ``"improvement"``.
-        budget: trials an episode pays for.
-        window: trials of its history that the observation shows.
         render_mode: ``"ansi"``, ``"rgb_array"`` or None.
         unknown: raises ParameterError naming the nearest valid argument.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 1}  # noqa: RUF012
     arguments: tuple[str, ...] = ("suite", "split", "effort", "reward", "render_mode")
+    _budget, _window = 1, 0  # trials an episode pays for, and how many of them the observation shows
 
     def __init__(
         self,
         suite: str,
         split: str = "train",
-        effort: tuple[int, int] | None = None,
+        effort: Sequence[int] | None = None,
         reward: str = "gap",
         *,
-        budget: int = 1,
-        window: int = 0,
         render_mode: str | None = None,
         **unknown: Any,
     ) -> None:
@@ -60,10 +72,10 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
         self._suite = load_suite(suite, split)
         self._effort = None if effort is None else _checked_effort(effort)
-        self._reward, self._budget, self._window = reward, budget, window
+        self._reward = reward
         self.render_mode = render_mode
         dimension = len(ColonyParameters._fields)
-        low, high = bounds(dimension, window=window)
+        low, high = bounds(dimension, window=self._window)
         self.observation_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (dimension,), np.float32)
         self._root: int | None = None
@@ -88,11 +100,11 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             options: ``{"scenario": index}`` picks a scenario of the split instead of drawing it.
         """
         super().reset(seed=seed)
-        if seed is not None or self._root is None:
-            self._root, self._episode = int(self.np_random.integers(2**63)) if seed is None else seed, 0
-        else:
-            self._episode += 1
-        self._session = Session(self._draw(dict(options or {})), self._budget)
+        root, episode = self._root, self._episode + 1
+        if seed is not None or root is None:
+            root, episode = int(self.np_random.integers(2**63)) if seed is None else seed, 0
+        problem = self._draw(root, episode, dict(options or {}))
+        self._root, self._episode, self._session = root, episode, Session(problem, self._budget)
         return self._observe(), self._facts()
 
     def step(self, action: NDArray[np.float32]) -> Step:
@@ -133,16 +145,15 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
         return (ansi if self.render_mode == "ansi" else rgb_array)(self.session)
 
-    def _draw(self, options: dict[str, Any]) -> TuningProblem:
-        assert self._root is not None
-        rng = np.random.default_rng(np.random.SeedSequence(self._root, spawn_key=(self._episode,)))
+    def _draw(self, root: int, episode: int, options: dict[str, Any]) -> TuningProblem:
+        rng = np.random.default_rng(np.random.SeedSequence(root, spawn_key=(episode,)))
         index, planner_seed = int(rng.integers(len(self._suite))), int(rng.integers(2**63))
         chosen = options.pop("scenario", index)
         for name in options:
             raise ParameterError(f"unknown reset option {name!r}; valid: scenario")
-        if not 0 <= chosen < len(self._suite):
-            raise ParameterError(f"scenario {chosen}: this split holds 0 to {len(self._suite) - 1}")
-        item = self._suite[chosen]
+        if not isinstance(chosen, Integral) or not 0 <= int(chosen) < len(self._suite):
+            raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {len(self._suite) - 1}")
+        item = self._suite[int(chosen)]
         ants, iterations = self._effort or (item.ants, item.iterations)
         return TuningProblem(item.scenario, item.rules, ants, iterations, planner_seed)
 
@@ -178,8 +189,9 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         return -gap if default is None else float(problem.gap(default.lengths)[0]) - gap
 
 
-def _checked_effort(effort: tuple[int, int]) -> tuple[int, int]:
-    values = tuple(effort)
-    if len(values) != 2 or any(int(v) != v or v < 1 for v in values):
-        raise ParameterError(f"effort = {effort}: needs (ants, iterations), two whole numbers of at least 1")
-    return int(values[0]), int(values[1])
+def _checked_effort(effort: Sequence[int]) -> tuple[int, int]:
+    if not isinstance(effort, Sequence) or len(effort) != 2 or not all(map(is_count, effort)):
+        raise ParameterError(
+            f"effort = {effort!r}: needs (ants, iterations), two whole numbers of at least 1"
+        )
+    return int(effort[0]), int(effort[1])

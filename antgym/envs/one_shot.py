@@ -4,12 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from antgym.envs.base import Step, TuningEnv
+from antgym.envs.base import Step, TuningEnv, documented
 from antgym.planners.colony import Plans
 from antgym.tuning.problem import FRESH, Request
 from antgym.tuning.session import Trial
 
 
+@documented
 class OneShotEnv(TuningEnv):
     """Choose the parameters of an ant colony once, for a map it has not walked yet.
 

@@ -87,7 +87,7 @@ class NativeVecEnv(VecEnv):
 
     def get_images(self) -> Sequence[NDArray[np.uint8] | None]:
         """Return the pictures of all slots."""
-        return [env.render() for env in self.native.envs]
+        return list(self.native.render())
 
 
 def make_sb3_vec(env_id: str, n: int, seed: int | None = None, **kwargs: Any) -> NativeVecEnv:

@@ -4,13 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from antgym.envs.base import Step, TuningEnv
-from antgym.errors import BudgetError
+from antgym.envs.base import Step, TuningEnv, documented
+from antgym.errors import BudgetError, is_count
 from antgym.planners.colony import Plans
 from antgym.tuning.problem import FRESH, Request
 from antgym.tuning.session import Trial, incumbent
 
 
+@documented
 class TrialsEnv(TuningEnv):
     """Tune an ant colony on one map, one planner run at a time.
 
@@ -72,9 +73,10 @@ class TrialsEnv(TuningEnv):
 
     def __init__(self, suite: str, *, budget: int = 10, window: int = 5, **others: Any) -> None:
         for name, value in (("budget", budget), ("window", window)):
-            if int(value) != value or value < 1:
-                raise BudgetError(f"{name} = {value}: an episode needs at least one trial")
-        super().__init__(suite, budget=int(budget), window=int(window), **others)
+            if not is_count(value):
+                raise BudgetError(f"{name} = {value!r}: needs a whole number of trials, at least one")
+        self._budget, self._window = int(budget), int(window)
+        super().__init__(suite, **others)
 
     def judge(self, trials: tuple[Trial, ...]) -> Request | None:  # noqa: ARG002 - the incumbent is all that counts
         """A fresh run of the incumbent, and of the default where the reward compares with it."""

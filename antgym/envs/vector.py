@@ -50,7 +50,10 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         return sum(env.planner_runs for env in self.envs)
 
     def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+        self,
+        *,
+        seed: int | Sequence[int | None] | NDArray[np.integer] | None = None,
+        options: dict[str, Any] | None = None,
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begin an episode in every slot, or in those of ``options["reset_mask"]``.
 
@@ -60,9 +63,7 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         """
         options = dict(options or {})
         mask = np.asarray(options.pop("reset_mask", np.ones(self.num_envs, bool)), dtype=bool)
-        seeds = (
-            env_seeds(seed, self.num_envs) if isinstance(seed, int) else list(seed or [None] * self.num_envs)
-        )
+        seeds = _slot_seeds(seed, self.num_envs)
         if len(seeds) != self.num_envs or mask.shape != (self.num_envs,):
             raise ParameterError(
                 f"{len(seeds)} seeds and a mask of {mask.shape} for {self.num_envs} environments"
@@ -84,11 +85,13 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
             raise ParameterError(
                 f"slots {np.flatnonzero(self._over).tolist()} are over; reset them by reset_mask"
             )
-        waiting = self._over.copy()
-        for slot in np.flatnonzero(waiting).tolist():
-            self._begin(slot, infos)
-        slots: list[int] = np.flatnonzero(~waiting).tolist()
-        for i, outcome in zip(slots, self._run(slots, actions), strict=True):
+        if np.shape(actions) != self.action_space.shape:
+            raise ParameterError(f"actions of shape {np.shape(actions)} for {self.num_envs} environments")
+        slots: list[int] = np.flatnonzero(~self._over).tolist()
+        outcomes = self._run(slots, actions)
+        for waiting in np.flatnonzero(self._over).tolist():
+            self._begin(waiting, infos)
+        for i, outcome in zip(slots, outcomes, strict=True):
             self._observations[i], rewards[i], ends[i], _, info = outcome
             if ends[i] and self.mode is AutoresetMode.SAME_STEP:
                 infos = self._add_info(
@@ -99,6 +102,10 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
                 infos = self._add_info(infos, info, i)
                 self._over[i] = ends[i]
         return self._observations.copy(), rewards, ends, np.zeros(self.num_envs, bool), infos
+
+    def render(self) -> tuple[Any, ...]:
+        """Return the pictures of all slots."""
+        return tuple(env.render() for env in self.envs)
 
     def _begin(
         self, i: int, infos: dict[str, Any], seed: int | None = None, options: dict[str, Any] | None = None
@@ -113,6 +120,16 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         fresh = iter(run_together([request for request in requests if request is not None]))
         plans = [None if request is None else next(fresh) for request in requests]
         return [self.envs[i].conclude(t, p) for i, t, p in zip(slots, trials, plans, strict=True)]
+
+
+def _slot_seeds(
+    seed: int | Sequence[int | None] | NDArray[np.integer] | None, count: int
+) -> Sequence[int | None]:
+    if seed is None:
+        return [None] * count
+    if isinstance(seed, int | np.integer):
+        return env_seeds(int(seed), count)
+    return [None if each is None else int(each) for each in seed]
 
 
 def make_one_shot(

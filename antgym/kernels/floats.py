@@ -1,7 +1,8 @@
 """Float32 logarithm and power of two that give the same bits compiled and interpreted, scalar and vectorised.
 
-libm's functions differ between platforms and are eight times slower. Errors are below 2e-7 absolute for
-:func:`log2` in [2^-126, 2^127] (relative to the rounded result) and 2e-7 relative for :func:`exp2`.
+libm's functions differ between platforms and are eight times slower. Beyond the rounding of the result to
+float32, the logarithms err by less than 2e-7; :func:`exp2` errs by less than 2e-7 of the result. The logarithms
+never fall between neighbouring numbers; :func:`exp2` may, by one unit in the last place.
 """
 
 import numpy as np

@@ -8,7 +8,7 @@ import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from typing import NamedTuple, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 
@@ -80,6 +80,9 @@ class Suite(Sequence[SuiteItem]):
 
     def __repr__(self) -> str:
         return f"Suite({self.name!r}, {self.split!r})"
+
+    def __reduce__(self) -> tuple[Any, tuple[str, str]]:
+        return load_suite, (self.name, self.split)  # items are made again where they are needed
 
     def __len__(self) -> int:
         return len(self._recipe.ood()) if self.split == "ood" else self._recipe.counts[self.split]

@@ -1,6 +1,7 @@
 """Worlds and scenarios: a 0/1 grid with a cell size, and a start and a goal in it under a motion rule."""
 
 import hashlib
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -50,6 +51,9 @@ class GridWorld:
         object.__setattr__(self, "storage", storage)
         object.__setattr__(self, "free", storage[:, PAD : PAD + ny, PAD : PAD + nz])
         object.__setattr__(self, "cell", cell)
+
+    def __reduce__(self) -> tuple[type["GridWorld"], tuple[NDArray[np.uint8], tuple[float, float, float]]]:
+        return GridWorld, (self.free, self.cell)  # built anew, so that a copy is read-only too
 
     @property
     def shape(self) -> Cell:
@@ -107,16 +111,18 @@ class Scenario:
                 f"{REACH * (xg - xs)} cells along y and z"
             )
 
+    def __reduce__(self) -> tuple[type["Scenario"], tuple[GridWorld, Cell, Cell, Motion, str]]:
+        return Scenario, (self.world, self.start, self.goal, self.motion, self.name)
+
     @property
     def layers(self) -> int:
         """Number of moves of every path."""
         return self.goal[0] - self.start[0]
 
-    @property
+    @cached_property
     def straight_line(self) -> float:
         """Euclidean distance from start to goal in world units, obstacles ignored."""
-        first, last = self.world.centre([self.start, self.goal])
-        return float(np.sqrt(((last - first) ** 2).sum()))
+        return math.dist(*self.world.centre([self.start, self.goal]).tolist())
 
     @cached_property
     def optimum(self) -> float:

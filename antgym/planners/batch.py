@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -188,46 +187,29 @@ def _tables(motions: list[Motion]) -> NDArray[np.int64]:
 
 
 def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]) -> None:
-    names = (
-        "stride_x",
-        "stride_y",
-        "start_x",
-        "start_y",
-        "start_z",
-        "goal_y",
-        "goal_z",
-        "layers",
-        "reach",
-        "table",
-    )
-    for i, s in enumerate(scenarios):
-        _, sy, sz = s.world.storage.shape
-        (xs, ys, zs), (_, yg, zg) = s.start, s.goal
-        places = (
-            sy * sz,
-            sz,
-            xs,
-            ys + PAD,
-            zs + PAD,
-            yg + PAD,
-            zg + PAD,
-            s.layers,
-            REACH,
-            motions.index(s.motion),
-        )
-        for name, value in chain(
-            zip(names, places, strict=True), zip(("cell_x", "cell_y", "cell_z"), s.world.cell, strict=True)
-        ):
-            runs[name][i] = value
+    names = ("stride_x", "stride_y", "start_x", "start_y", "start_z", "goal_y", "goal_z", "layers", "table")
+    places = [(*_places(s), motions.index(s.motion)) for s in scenarios]
+    for name, column in zip(names, np.array(places, dtype=np.int64).reshape(-1, len(names)).T, strict=True):
+        runs[name] = column
+    cells = np.array([s.world.cell for s in scenarios]).reshape(-1, 3)
+    for name, column in zip(("cell_x", "cell_y", "cell_z"), cells.T, strict=True):
+        runs[name] = column
+    runs["reach"] = REACH
+
+
+def _places(scenario: Scenario) -> tuple[int, ...]:
+    _, sy, sz = scenario.world.storage.shape
+    (xs, ys, zs), (_, yg, zg) = scenario.start, scenario.goal
+    return sy * sz, sz, xs, ys + PAD, zs + PAD, yg + PAD, zg + PAD, scenario.layers
 
 
 def _write_rules(runs: Any, rules: list[Rules]) -> None:
-    for i, rule in enumerate(rules):
-        runs["step_share"][i] = rule.target != "start"
-        runs["distance_share"][i] = rule.target != "current"
-        runs["to_goal"][i] = rule.target == "goal"
-        runs["plain"][i] = rule.greedy == "plain"
-        runs["w1"][i], runs["w2"][i], runs["q0"][i] = rule.w1, rule.w2, rule.q0
+    runs["step_share"] = [rule.target != "start" for rule in rules]
+    runs["distance_share"] = [rule.target != "current" for rule in rules]
+    runs["to_goal"] = [rule.target == "goal" for rule in rules]
+    runs["plain"] = [rule.greedy == "plain" for rule in rules]
+    for name in ("w1", "w2", "q0"):
+        runs[name] = [getattr(rule, name) for rule in rules]
 
 
 def write_parameters(runs: Any, values: NDArray[np.float64], rules: list[Rules]) -> None:

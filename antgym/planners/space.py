@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -63,6 +64,22 @@ class ParameterSpace:
         """Parameter names in order."""
         return tuple(p.name for p in self.parameters)
 
+    @cached_property
+    def _values(self) -> Floats:
+        """Low, default and high, (3, d)."""
+        return np.array([(p.low, p.default, p.high) for p in self.parameters]).T
+
+    @cached_property
+    def _knots(self) -> Floats:
+        """The same on each parameter's scale, (3, d)."""
+        return np.stack([_knots(p) for p in self.parameters], axis=1)
+
+    @cached_property
+    def _columns(self) -> dict[str, list[int]]:
+        """The columns of each scale in use."""
+        scales = [p.scale for p in self.parameters]
+        return {scale: [i for i, s in enumerate(scales) if s == scale] for scale in dict.fromkeys(scales)}
+
     @property
     def default(self) -> Floats:
         """Natural default values, (d,)."""
@@ -86,8 +103,17 @@ class ParameterSpace:
     def decode(self, units: ArrayLike) -> Floats:
         """Map (k, d) settings in [0, 1] to natural values, (k, d) float64."""
         array = self.check(units)
-        columns = [_decode(p, array[:, i]) for i, p in enumerate(self.parameters)]
-        return np.stack(columns, axis=1)
+        lower = array < 0.5
+        begin, end = np.where(lower, self._knots[:2, None], self._knots[1:, None])
+        scaled = begin + (2 * array - ~lower) * (end - begin)
+        natural = np.empty_like(scaled)
+        for scale, columns in self._columns.items():
+            natural[:, columns] = _SCALES[scale][1](scaled[:, columns])
+        # whatever exp(log(x)) rounds to, the three knots are exact and no value passes one
+        for unit, values in zip((0.0, 0.5, 1.0), self._values, strict=True):
+            natural = np.where(array == unit, values, natural)
+        begin, end = np.where(lower, self._values[:2, None], self._values[1:, None])
+        return np.minimum(np.maximum(natural, begin), end)
 
     def encode(self, naturals: ArrayLike) -> Floats:
         """Map natural values (k, d) to [0, 1]; ParameterError naming a value outside its range."""
@@ -120,15 +146,6 @@ def named_values(space: ParameterSpace, values: Sequence[float]) -> dict[str, fl
 
 def _knots(p: Parameter) -> Floats:
     return _SCALES[p.scale][0](np.array([p.low, p.default, p.high]))
-
-
-def _decode(p: Parameter, units: Floats) -> Floats:
-    natural = _SCALES[p.scale][1](np.interp(units, [0.0, 0.5, 1.0], _knots(p)))
-    # whatever exp(log(x)) rounds to, the three knots are exact and no value passes one
-    for unit, value in ((0.0, p.low), (0.5, p.default), (1.0, p.high)):
-        natural = np.where(units == unit, value, natural)
-    low, high = np.where(units < 0.5, p.low, p.default), np.where(units < 0.5, p.default, p.high)
-    return np.clip(natural, low, high)
 
 
 def _encode(p: Parameter, naturals: Floats) -> Floats:

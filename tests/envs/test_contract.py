@@ -1,0 +1,315 @@
+"""What every environment of the catalogue keeps to: Gymnasium's contract, and ours on top of it."""
+
+import pickle
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.envs.registration import EnvSpec, load_env_creator
+from gymnasium.utils.env_checker import check_env
+
+from antgym.envs.catalogue import CATALOGUE
+from antgym.errors import ParameterError
+from antgym.maps.features import feature_table
+from antgym.maps.suites import load_suite
+from antgym.planners.rules import PAPERS
+from antgym.tuning.features import TASK_FEATURES
+
+EFFORT = [3, 5]
+ZERO = np.zeros(4, np.float32)
+pytestmark = pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
+
+
+def make(entry, **kwargs):
+    return gymnasium.make(entry.id, **{"effort": EFFORT, **kwargs})
+
+
+def rollout(env, episodes=2, seed=None, actions=0):
+    """Every observation, reward, end and info of some episodes."""
+    rng, seen = np.random.default_rng(actions), []
+    for episode in range(episodes):
+        observation, info = env.reset(seed=seed if episode == 0 else None)
+        seen.append((observation.tobytes(), info))
+        over = False
+        while not over:
+            action = rng.uniform(-1, 1, 4).astype(np.float32)
+            observation, reward, over, truncated, info = env.step(action)
+            seen.append((observation.tobytes(), reward, over, truncated, info))
+    return seen
+
+
+def finish(env):
+    env.reset(seed=0)
+    while not env.step(ZERO)[2]:
+        pass
+
+
+def test_gymnasium_finds_nothing_to_warn_of(entry):
+    env = gymnasium.make(entry.id)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped)
+
+
+def test_the_same_seed_gives_the_same_rollout(entry):
+    assert rollout(make(entry), seed=7) == rollout(make(entry), seed=7)
+
+
+def test_another_seed_gives_another_episode(entry):
+    env = make(entry)
+    infos = [env.reset(seed=seed)[1] for seed in range(6)]
+    assert len({info["seed"] for info in infos}) == 6
+    assert len({info["scenario"] for info in infos}) > 1
+
+
+def test_without_a_seed_the_root_is_random(entry):
+    seeds = {make(entry).reset()[1]["seed"] for _ in range(3)}
+    assert len(seeds) == 3
+
+
+def test_episodes_are_a_function_of_root_and_index_alone(entry):
+    """Not of what was done in the episodes before, and not of whether they were played at all."""
+    played, skipped = make(entry), make(entry, reward="improvement")
+    rollout(played, episodes=3, seed=11)
+    skipped.reset(seed=11)
+    for _ in range(2):
+        skipped.reset()
+    assert rollout(played, 1, actions=5)[0] == rollout(skipped, 1, actions=5)[0]
+
+
+def test_seeding_again_begins_anew(entry):
+    env = make(entry)
+    first = rollout(env, episodes=3, seed=4)
+    assert rollout(env, episodes=3, seed=4) == first
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_a_pickled_environment_goes_on_like_the_original(entry, begun):
+    env = make(entry)
+    env.reset(seed=3)
+    if begun:
+        env.step(ZERO)
+    copy = pickle.loads(pickle.dumps(env))
+    assert rollout(copy) == rollout(env)
+
+
+def test_an_environment_pickles_before_its_first_reset(entry):
+    env = make(entry)
+    assert rollout(pickle.loads(pickle.dumps(env)), seed=3) == rollout(env, seed=3)
+
+
+def test_the_spec_makes_the_same_environment_after_json(entry):
+    env = make(entry, split="validation", reward="length")
+    again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
+    assert rollout(again, seed=2) == rollout(env, seed=2)
+
+
+def test_observations_lie_in_the_space(entry):
+    env = make(entry)
+    for _ in range(3):
+        observation, _ = env.reset()
+        over = False
+        while not over:
+            assert observation in env.observation_space
+            observation, _, over, _, _ = env.step(env.action_space.sample())
+        assert observation in env.observation_space
+
+
+def test_earlier_observations_are_not_written_over(entry):
+    env = make(entry)
+    first, _ = env.reset(seed=0)
+    kept = first.copy()
+    env.step(ZERO)
+    env.reset()
+    assert first.tolist() == kept.tolist()
+
+
+def test_info_holds_plain_values(entry):
+    def plain(value):
+        if isinstance(value, dict):
+            return all(type(key) is str and plain(item) for key, item in value.items())
+        return type(value) in (int, float, str, bool)
+
+    env = make(entry)
+    assert plain(env.reset(seed=0)[1])
+    assert plain(env.step(ZERO)[4])
+
+
+def test_info_tells_what_was_run(entry):
+    env = make(entry)
+    _, begun = env.reset(seed=0)
+    info = env.step(ZERO)[4]
+    assert info.items() >= begun.items()
+    assert (begun["ants"], begun["iterations"]) == tuple(EFFORT)
+    assert info["solved"] == (info["gap"] < 1 or info["length"] <= 2 * info["optimum"])
+    assert info["length"] >= info["optimum"] > 0
+
+
+def test_an_episode_ends_by_termination_alone(entry):
+    ends = [step[2:4] for step in rollout(make(entry), episodes=1, seed=0)[1:]]
+    assert ends == [(False, False)] * (len(ends) - 1) + [(True, False)]
+
+
+def test_ansi_shows_ends_and_path(entry):
+    env = make(entry, render_mode="ansi")
+    env.reset(seed=0)
+    before = env.render()
+    env.step(env.unwrapped.encode(alpha=0.1, beta=0.5, rho=0.9, Q=100))
+    after = env.render()
+    for picture in (before, after):
+        assert isinstance(picture, str)
+        assert "S" in picture
+        assert "G" in picture
+    assert ("o" in after.split("\n", 2)[2]) == ("optimum" in after)
+    assert before != after
+
+
+def test_rgb_array_is_a_picture_of_bytes(entry):
+    env = make(entry, render_mode="rgb_array")
+    env.reset(seed=0)
+    before = env.render()
+    env.step(env.unwrapped.encode(alpha=0.1, beta=0.5, rho=0.9, Q=100))
+    after = env.render()
+    for picture in (before, after):
+        assert (picture.dtype, picture.ndim, picture.shape[2]) == (np.uint8, 3, 3)
+    assert before.shape == after.shape
+    assert (before != after).any()
+
+
+def test_rendering_costs_and_changes_nothing(entry):
+    drawn, quiet = make(entry, render_mode="rgb_array"), make(entry)
+    for env in (drawn, quiet):
+        env.reset(seed=1)
+        env.step(ZERO)
+    drawn.render()
+    assert drawn.unwrapped.planner_runs == quiet.unwrapped.planner_runs
+    assert rollout(drawn, 1) == rollout(quiet, 1)
+
+
+def test_rendering_without_a_mode_says_how_to_get_one(entry):
+    env = make(entry).unwrapped
+    env.reset(seed=0)
+    with pytest.raises(ParameterError, match="pass 'ansi' or 'rgb_array' to make"):
+        env.render()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"splt": "train"}, "unknown environment argument 'splt'; did you mean 'split'"),
+        ({"split": "trian"}, "unknown split 'trian'; did you mean 'train'"),
+        ({"split": None}, "unknown split None"),
+        ({"reward": "gaps"}, "unknown reward 'gaps'; did you mean 'gap'"),
+        ({"render_mode": "ansii"}, "unknown render_mode 'ansii'; did you mean 'ansi'"),
+        ({"suite": "mountains-v0"}, "unknown suite 'mountains-v0'; did you mean 'mountain-v0'"),
+        ({"effort": [0, 10]}, r"effort = \[0, 10\]: needs \(ants, iterations\)"),
+        ({"effort": [10]}, "effort = "),
+        ({"effort": 10}, "effort = 10"),
+        ({"effort": "10"}, "effort = '10'"),
+        ({"effort": [10, 2.5]}, r"effort = \[10, 2.5\]"),
+        ({"effort": [10, float("nan")]}, "effort = "),
+    ],
+)
+def test_a_bad_argument_is_named(entry, arguments, message):
+    create = load_env_creator(entry.entry_point)
+    with pytest.raises(ParameterError, match=message):
+        create(**{**entry.kwargs, **arguments})
+
+
+def test_gymnasium_passes_our_errors_on(entry):
+    with pytest.raises(ParameterError, match="did you mean 'split'"):
+        make(entry, splt="train")
+
+
+@pytest.mark.parametrize(
+    "action",
+    [[1.001, 0, 0, 0], [0, 0, 0, float("nan")], [0, float("inf"), 0, 0], [0, 0, 0], [[0, 0, 0, 0]], 0.5, []],
+)
+def test_an_action_outside_the_space_is_refused_and_costs_nothing(entry, action):
+    env = make(entry).unwrapped
+    env.reset(seed=0)
+    with pytest.raises(ParameterError, match="is no point of Box"):
+        env.step(np.array(action))
+    assert env.planner_runs == 0
+    env.step(ZERO)
+
+
+def test_a_step_before_reset_is_refused(entry):
+    with pytest.raises(ParameterError, match=r"call reset\(\) first"):
+        make(entry).unwrapped.step(ZERO)
+
+
+def test_a_step_after_the_end_is_refused(entry):
+    env = make(entry)
+    finish(env)
+    runs = env.unwrapped.planner_runs
+    with pytest.raises(ParameterError, match=r"the episode is over; call reset\(\)"):
+        env.step(ZERO)
+    assert env.unwrapped.planner_runs == runs
+
+
+def test_natural_values_come_back_in_info(entry):
+    values = {"alpha": 1.0, "beta": 5.0, "rho": 0.9, "Q": 100.0}
+    env = make(entry)
+    env.reset(seed=0)
+    info = env.step(env.unwrapped.encode(**values))[4]
+    assert info["parameters"] == pytest.approx(values, rel=1e-5)
+
+
+def test_action_zero_is_the_published_default(entry):
+    env = make(entry)
+    env.reset(seed=0)
+    env.step(ZERO)
+    assert env.unwrapped.session.trials[0].unit == (0.5,) * 4
+
+
+def test_natural_values_outside_their_range_are_named(entry):
+    env = make(entry).unwrapped
+    env.reset(seed=0)
+    with pytest.raises(ParameterError, match=r"rho = 1.5 lies outside its range"):
+        env.encode(alpha=1, beta=5, rho=1.5, Q=100)
+
+
+def test_a_scenario_can_be_picked(entry):
+    env = make(entry, split="test")
+    _, info = env.reset(seed=0, options={"scenario": np.int64(17)})
+    assert info["scenario"] == load_suite("mountain-v0", "test")[17].name
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scenario": 50}, "scenario 50: this split holds 0 to 49"),
+        ({"scenario": -1}, "scenario -1"),
+        ({"scenario": 1.5}, "scenario 1.5"),
+        ({"scenario": "1"}, "scenario '1'"),
+        ({"scenari": 1}, "unknown reset option 'scenari'"),
+    ],
+)
+def test_a_bad_reset_option_is_named_and_skips_no_episode(entry, options, message):
+    env, other = make(entry, split="validation"), make(entry, split="validation")
+    for each in (env, other):
+        each.reset(seed=0)
+    with pytest.raises(ParameterError, match=message):
+        env.reset(options=options)
+    assert rollout(env, 1) == rollout(other, 1)
+
+
+def test_each_scenario_comes_with_its_own_effort(entry):
+    _, info = gymnasium.make(entry.id).reset(seed=0, options={"scenario": 5})
+    item = load_suite("mountain-v0", "train")[5]
+    assert (info["ants"], info["iterations"]) == (item.ants, item.iterations)
+
+
+def test_the_docstring_holds_the_tables_of_what_the_environment_reads(entry):
+    doc = load_env_creator(entry.entry_point).__doc__
+    assert PAPERS["liu2020"].ranges.space(1.0).to_markdown() in doc
+    assert feature_table(TASK_FEATURES) in doc
+    assert "{" not in doc.replace('{"scenario": i}', "")
+
+
+def test_the_docstring_names_every_argument(entry):
+    create = load_env_creator(entry.entry_point)
+    shown = create.__doc__ + load_env_creator(CATALOGUE[0].entry_point).__doc__
+    assert all(f"| `{name}` |" in shown for name in create.arguments)
