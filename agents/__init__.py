@@ -40,6 +40,13 @@ class Card(NamedTuple):
 
 _TRANSFER = "agents.transfer:TransferAgent"
 _CARDS = (
+    Card(
+        "best_static",
+        "agents.static:StaticAgent",
+        {},
+        "the one setting that did best on the train maps, no trial",
+        trained=True,
+    ),
     Card("uniform_random", "agents.controls:UniformRandom", {}, "one random setting, no trial"),
     Card("published_default", "agents.controls:PublishedDefault", {}, "the published setting, no trial"),
     Card("random_search", "agents.controls:RandomSearch", {}, "uniform settings, the best run again"),

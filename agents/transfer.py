@@ -32,28 +32,30 @@ Floats = NDArray[np.float64]
 Mode = Literal["sound", "paper", "abs", "copy", "mean"]
 REFERENCE, BLEND, BEST, DEFAULT = "reference", "blend", "best", "default"
 SMALLEST_GUARD = 2  # with a single run each, the guard would pick a lucky candidate
+AMPLE = 6  # trials per source from which on sets that are best nowhere are run too
 
 
 class TransferAgent:
     """Transfer parameters from source tasks to a target.
 
-    * ``"sound"``: runs the sets that are best on some source map, weighs them (:func:`sound_weights`) and
-      averages settings in the unit cube, that is α, β, κ on a log and ρ on a logit scale; then runs the
-      blend, the best source and the published default afresh and keeps the winner.
+    * ``"sound"``: runs the sets that are best on some source map (with six trials a source or more: all sets),
+      weighs them (:func:`sound_weights`) and averages settings in the unit cube, that is α, β, κ on a log and
+      ρ on a logit scale; then runs the blend, the best source and the published default afresh, as often as
+      the rest of the budget allows, and keeps the winner.
     * ``"paper"``, ``"abs"``: runs every source's set and one random set, the reference of (11), and solves
       (14) in natural values. Q is transferred as κ: the target's space decodes all settings, so every Q is
       scaled to the target's straight line. What leaves the box is clipped and noted.
     * ``"copy"``: runs every source's set and recommends the best. ``"mean"``: the mean setting, with no
       trial.
 
-    Every set is run equally often, as often as the budget allows, ``repeats`` at most; what is then left is
-    not spent. With fewer trials than sets, those that do best on average over the sources come first, and
-    only sets that were run are weighed; with one trial or none, that average decides.
+    Every set is run equally often, as often as the budget allows, ``repeats`` at most; what is then left is not spent
+    (in ``"sound"`` mode, it goes to the guard). With fewer trials than sets, those that do best on average over the
+    sources come first, and only sets that were run are weighed; with one trial or none, that average decides.
 
     Args:
         graph: a fitted graph or its file.
         mode: see above.
-        repeats: runs of each set at most, ≥ 1 (liu2020: 10).
+        repeats: runs of each source's set at most, ≥ 1 (liu2020: 10).
         tau: scale of regrets in ``"sound"``; None takes the graph's.
         gamma: weight of smoothness in ``"sound"``; None takes the graph's.
     """
@@ -129,7 +131,7 @@ class TransferAgent:
 
     def _sources(self) -> list[int | str]:
         ranking = self.graph.ranking
-        if self.mode == "sound":
+        if self.mode == "sound" and self._left < AMPLE * len(ranking):
             labels = set(relabel(self.graph.judged).tolist())
             ranking = [i for i in ranking if i in labels]
         return list(ranking)
@@ -147,7 +149,7 @@ class TransferAgent:
         rivals: list[int | str] = [BLEND, BEST, DEFAULT]
         if np.array_equal(self._settings[BLEND], self._settings[BEST]):
             rivals.remove(BEST)
-        rounds = min(self.repeats, self._left // len(rivals))
+        rounds = self._left // len(rivals)
         return rivals * rounds if rounds >= SMALLEST_GUARD else []
 
     def _judge(self) -> tuple[Floats, tuple[str, ...]]:

@@ -2,13 +2,14 @@
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import agents
 from agents.graph import TransferGraph, trials_needed
 from agents.static import StaticSetting, race
 from antgym.maps.suites import SuiteItem, load_suite
@@ -21,33 +22,45 @@ from experiments.train import Arguments, train
 REPEATS = 5
 
 
-class Artefacts(NamedTuple):
-    """Files of the trained agents and the planner runs that each cost."""
+ARGUMENTS = {
+    "agents.static:StaticAgent": ("setting", "static.json"),
+    "agents.transfer:TransferAgent": ("graph", "graph.json"),
+    "agents.policy:PolicyAgent": ("path", "policy.json"),
+}
+"""Which argument of a trained agent takes which file."""
 
-    policy: Path
-    graph: Path
-    static: Path
-    spent: dict[str, int]
 
-
-def prepare(folder: Path, suite: str, preset: Preset) -> Artefacts:
-    """Make what is missing; a file that lies there already is used as it is."""
+def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> dict[str, int]:
+    """Make the files that these agents need and that are missing; return what each file's training spent."""
     folder.mkdir(parents=True, exist_ok=True)
-    policy, graph, static = folder / "policy", folder / "graph.json", folder / "static.json"
-    steps: tuple[tuple[Path, Callable[[], Any]], ...] = (
-        (static, lambda: _race(suite, preset).save(static)),
-        (graph, lambda: _fit(suite, preset).save(graph)),
-        (policy.with_suffix(".json"), lambda: _train(policy, preset)),
-    )
-    for file, make in steps:
-        if not file.exists():
-            make()
-    spent = {
-        "policy": int(json.loads(policy.with_suffix(".json").read_text())["evaluations"]),
-        "graph": TransferGraph.load(graph).evaluations,
-        "static": StaticSetting.load(static).evaluations,
+    steps: dict[str, tuple[Callable[[Path], Any], Callable[[Path], int]]] = {
+        "static.json": (
+            lambda path: _race(suite, preset).save(path),
+            lambda p: StaticSetting.load(p).evaluations,
+        ),
+        "graph.json": (
+            lambda path: _fit(suite, preset).save(path),
+            lambda p: TransferGraph.load(p).evaluations,
+        ),
+        "policy.json": (lambda path: _train(path, preset), _policy_evaluations),
     }
-    return Artefacts(policy, graph, static, spent)
+    wanted = {ARGUMENTS[card.entry_point][1] for card in map(agents.find_card, names) if card.trained}
+    spent = {}
+    for name, (make, evaluations) in steps.items():
+        if name in wanted:
+            if not (folder / name).exists():
+                make(folder / name)
+            spent[name] = evaluations(folder / name)
+    return spent
+
+
+def trained_argument(name: str, folder: Path) -> dict[str, Path]:
+    """Return the keyword argument by which an agent finds its file; empty where it needs none."""
+    card = agents.find_card(name)
+    if not card.trained:
+        return {}
+    argument, file = ARGUMENTS[card.entry_point]
+    return {argument: folder / file}
 
 
 def derived_seed(*parts: str | int) -> int:
@@ -93,5 +106,9 @@ def _fit(suite: str, preset: Preset) -> TransferGraph:
         return TransferGraph.fit(sessions, names=names, search=preset.source_search, repeats=REPEATS)
 
 
-def _train(policy: Path, preset: Preset) -> None:
-    train(Arguments("TD3", evaluations=preset.policy_evaluations, out=policy))
+def _train(card: Path, preset: Preset) -> None:
+    train(Arguments("PPO", evaluations=preset.policy_evaluations, out=card.with_suffix("")))
+
+
+def _policy_evaluations(card: Path) -> int:
+    return int(json.loads(card.read_text(encoding="utf-8"))["evaluations"])

@@ -18,14 +18,12 @@ from typing import Any, Literal, NamedTuple
 import tyro
 
 import agents
-from agents.static import StaticAgent
-from antgym.errors import ParameterError, nearest
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.planners.threads import thread_count
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.session import Session
-from experiments.artefacts import Artefacts, derived_seed, prepare, problem
+from experiments.artefacts import derived_seed, prepare, problem, trained_argument
 from experiments.console import main, progress
 from experiments.presets import PRESETS, Preset
 
@@ -109,21 +107,16 @@ class Stopwatch:
         return self._timed("recommend")
 
 
-def entrants(names: Sequence[str], artefacts: Artefacts) -> list[Entrant]:
+def entrants(names: Sequence[str], folder: Path, spent: dict[str, int]) -> list[Entrant]:
     """Return the agents of a board and its one reference that is an agent, the best static setting."""
-    needs: dict[str, tuple[dict[str, Any], str]] = {
-        "agents.policy:PolicyAgent": ({"path": artefacts.policy}, "policy"),
-        "agents.transfer:TransferAgent": ({"graph": artefacts.graph}, "graph"),
-    }
     out = []
-    for name in names:
+    for name in (*names, STATIC):
         card = agents.find_card(name)
-        overrides, artefact = needs.get(card.entry_point, ({}, ""))
-        training = artefacts.spent.get(artefact, 0)
-        out.append(Entrant(name, "agent", card.summary, agents.make(name, **overrides), training))
-    summary = "the one setting that did best on the train maps, no trial"
-    static = StaticAgent(artefacts.static)
-    return [*out, Entrant(STATIC, "reference", summary, static, artefacts.spent["static"])]
+        argument = trained_argument(name, folder)
+        training = sum(spent[path.name] for path in argument.values())
+        kind: Literal["agent", "reference"] = "reference" if name == STATIC else "agent"
+        out.append(Entrant(name, kind, card.summary, agents.make(name, **argument), training))
+    return out
 
 
 def play(job: Job, run: LedgerRun, preset: Preset) -> None:
@@ -152,8 +145,7 @@ def run_board(arguments: Arguments) -> Path:
     """Run what is missing of a board, show it, and return the page."""
     preset = PRESETS[arguments.preset]
     for name in arguments.agents:
-        if name not in agents.CATALOGUE:
-            raise ParameterError(f"unknown agent {name!r}; {nearest(name, tuple(agents.CATALOGUE))}")
+        agents.find_card(name)
     suite = load_suite(SUITE, SPLIT)
     items = suite[: preset.scenarios]
     config = {
@@ -165,8 +157,9 @@ def run_board(arguments: Arguments) -> Path:
         "agents": list(arguments.agents),
     }
     with Ledger(arguments.out, config, _versions(arguments.agents), _facts()) as ledger:
-        artefacts = prepare(arguments.out / "trained", SUITE, preset)
-        contest = entrants(arguments.agents, artefacts)
+        trained = arguments.out / "trained"
+        spent = prepare(trained, SUITE, preset, (*arguments.agents, STATIC))
+        contest = entrants(arguments.agents, trained, spent)
         todo = [job for job in jobs(contest, items, preset.seeds) if ledger.run(job.key).outcome is None]
         with progress(
             f"{arguments.preset} board: {len(contest)} agents, {len(items)} maps", len(todo)

@@ -1,6 +1,6 @@
 """Train an RL tuner of stable-baselines3 on a OneShot environment.
 
-    python -m experiments.train TD3 antgym/MountainOneShot-v0 --evaluations 20000 --out out/policy
+    python -m experiments.train PPO antgym/MountainOneShot-v0 --evaluations 64000 --out out/policy
 
 writes the checkpoint <out>.zip and beside it <out>.json, its card: settings, planner runs and seconds spent,
 versions. The same arguments give the same policy.
@@ -30,7 +30,7 @@ class Arguments:
     """Train an RL tuner."""
 
     algorithm: Annotated[str, tyro.conf.Positional]
-    """PPO, TD3 or SAC."""
+    """PPO, SAC or TD3; its settings are a table of the configuration file."""
     env: Annotated[str, tyro.conf.Positional] = "antgym/MountainOneShot-v0"
     """Id of the environment; its train split is used."""
     evaluations: int = 20_000

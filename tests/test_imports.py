@@ -30,7 +30,9 @@ def imports(file):
 
 
 def python(script):
-    done = subprocess.run([sys.executable, "-W", "error", "-c", script], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", script], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -54,7 +56,9 @@ def test_importing_antgym_registers_every_environment():
 def test_the_package_imports_neither_agents_nor_their_libraries(file):
     allowed = {"stable_baselines3"} if file == Path("envs/sb3.py") else set()
     roots = {module.split(".")[0] for module in imports(file)}
-    assert not roots & ({"agents", "experiments", "tests", "torch", "optuna", "pymoo", "stable_baselines3"} - allowed)
+    assert not roots & (
+        {"agents", "experiments", "tests", "torch", "optuna", "pymoo", "stable_baselines3"} - allowed
+    )
 
 
 @pytest.mark.parametrize("file", [f for f in FILES if f.parts[0] in LAYERS], ids=str)
@@ -113,6 +117,10 @@ def test_a_missing_library_is_one_line_with_its_cure():
 def test_all_our_errors_are_one_family():
     import antgym.errors
 
-    kinds = [kind for kind in vars(antgym.errors).values() if isinstance(kind, type) and issubclass(kind, Exception)]
+    kinds = [
+        kind
+        for kind in vars(antgym.errors).values()
+        if isinstance(kind, type) and issubclass(kind, Exception)
+    ]
     assert len(kinds) > 5
     assert all(issubclass(kind, AntgymError) for kind in kinds)

@@ -41,7 +41,8 @@ def with_more_rows(buffers: Buffers) -> Buffers:
     nodes = _new_nodes(2 * len(old.cell))
     for name in set(ants.Nodes._fields) - {"table", "scratch"}:
         getattr(nodes, name)[:count] = getattr(old, name)[:count]
-    ants.rehash(nodes, count)
+    with np.errstate(over="ignore"):  # interpreted, the hash's wrap-around would warn
+        ants.rehash(nodes, count)
     return buffers._replace(nodes=nodes)
 
 

@@ -143,8 +143,9 @@ class Colony:
         if before != (run.alpha, run.beta) and self.done:
             kernels.forget_weights(self._buffers.nodes, self._buffers.trail)
         until = self.done + iterations
-        while self._walk(run, until) < until:
-            self._buffers = with_more_rows(self._buffers)
+        with np.errstate(over="ignore"):  # interpreted, the wrap-around of random numbers and hashes would warn
+            while self._walk(run, until) < until:
+                self._buffers = with_more_rows(self._buffers)
 
     def result(self) -> Plan:
         """Return the plan as it stands; its history covers the iterations walked."""
@@ -168,5 +169,4 @@ class Colony:
         return cells, strength / max(strength.max(initial=0.0), np.finfo(float).tiny)
 
     def _walk(self, run: Any, until: int) -> int:
-        with np.errstate(over="ignore"):
-            return int(kernels.advance(self._batch.free, run, *self._buffers, self._batch.history, until))
+        return int(kernels.advance(self._batch.free, run, *self._buffers, self._batch.history, until))

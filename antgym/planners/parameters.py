@@ -1,6 +1,7 @@
 """What an agent chooses: the four parameters of a colony, and the range each rule gives them."""
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -43,17 +44,20 @@ class ColonyRanges(NamedTuple):
 
     def space(self, straight_line: float, initial_pheromone: float = 1.0) -> ParameterSpace:
         """Return the space of natural values for a start and goal ``straight_line`` world units apart."""
-        to_q, (low, default, high) = straight_line * initial_pheromone, self.kappa
-        return ParameterSpace(
-            (
-                Parameter("alpha", *self.alpha, "log", "weight of the pheromone"),
-                Parameter("beta", *self.beta, "log", "weight of the heuristic"),
-                Parameter("rho", *self.rho, "logit", "persistence of the pheromone per iteration"),
-                Parameter(
-                    "Q", to_q * low, to_q * default, to_q * high, "log", "deposit: Q / length per edge"
-                ),
-            )
+        return _space(self, straight_line * initial_pheromone)
+
+
+@lru_cache(maxsize=4096)  # a suite's scenarios come again and again
+def _space(ranges: ColonyRanges, to_q: float) -> ParameterSpace:
+    low, default, high = ranges.kappa
+    return ParameterSpace(
+        (
+            Parameter("alpha", *ranges.alpha, "log", "weight of the pheromone"),
+            Parameter("beta", *ranges.beta, "log", "weight of the heuristic"),
+            Parameter("rho", *ranges.rho, "logit", "persistence of the pheromone per iteration"),
+            Parameter("Q", to_q * low, to_q * default, to_q * high, "log", "deposit: Q / length per edge"),
         )
+    )
 
 
 def check_parameters(values: ArrayLike) -> NDArray[np.float64]:

@@ -59,7 +59,7 @@ class ParameterSpace:
     def __len__(self) -> int:
         return len(self.parameters)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Parameter names in order."""
         return tuple(p.name for p in self.parameters)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import agents
+from agents.static import StaticSetting
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.tuning import tune
 
@@ -19,7 +20,9 @@ def build(request, graph):
     if request.param in REQUIRES:
         pytest.importorskip(REQUIRES[request.param])
     card = agents.CATALOGUE[request.param]
-    return lambda: agents.make(card.name, **({"graph": graph} if card.trained else {}))
+    static = StaticSetting((0.2, 0.4, 0.6, 0.8), 1, graph.parameters)
+    trained = {"setting": static} if card.name == "best_static" else {"graph": graph}
+    return lambda: agents.make(card.name, **(trained if card.trained else {}))
 
 
 @pytest.mark.parametrize("budget", [1, 3, 7, 100])

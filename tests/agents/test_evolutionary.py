@@ -71,7 +71,7 @@ def test_the_search_ends_with_its_generations_and_leaves_the_rest(bowl):
     assert len(session.trials) == 20
 
 
-@pytest.mark.parametrize(("trials", "population"), [(1, 4), (16, 4), (80, 9), (400, 20)])
+@pytest.mark.parametrize(("trials", "population"), [(1, 8), (16, 8), (80, 9), (400, 20)])
 def test_the_population_fits_the_budget(trials, population):
     assert fit_population(trials) == population
 

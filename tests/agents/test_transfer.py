@@ -149,6 +149,12 @@ def test_fitting_is_deterministic_and_one_source_is_enough(bowl):
     assert tune(TransferAgent(first), bowl(20), seed=0).recommendation.shape == (4,)
 
 
+def test_without_checks_the_default_scales_stay(bowl):
+    graph = TransferGraph.fit([bowl(60, noise=0.1) for _ in range(3)], search=10, repeats=2, check=0)
+    assert (graph.tau, graph.gamma) == (0.02, 0.1)
+    assert graph.evaluations == 3 * (10 + 2 * 3)
+
+
 def test_a_graph_survives_a_round_trip_through_its_file(graph, tmp_path):
     path = tmp_path / "graph.json"
     graph.save(path)
@@ -215,6 +221,15 @@ def test_the_guard_runs_its_candidates_afresh_and_keeps_the_winner(graph, bowl):
     result = tune(TransferAgent(graph), session, seed=0)
     assert result.recommendation.tolist() == [0.5] * 4
     assert len(session.batches) == 2
+
+
+def test_sound_mode_runs_sets_that_are_best_nowhere_only_with_an_ample_budget(graph, bowl):
+    costs = [[(1.5,)] * 3, [(1.2,)] * 3, [(1.3,)] * 2 + [(1.1,)]]  # set 0 is best on no map
+    graph = dataclasses.replace(graph, costs=tuple(map(tuple, costs)))
+    for budget, sets in ((17, 2), (18, 3)):
+        agent, session = TransferAgent(graph), bowl(budget)
+        agent.reset(session.task, seed=0)
+        assert len(np.unique(agent.ask(), axis=0)) == sets
 
 
 @pytest.mark.parametrize("budget", range(1, 30))

@@ -54,7 +54,10 @@ def test_each_step_pays_for_a_fresh_run_of_the_incumbent():
 def test_the_reward_is_not_the_trials_own():
     """A lucky trial must not pay: the noise the agent selects on is not the noise that judges it."""
     env = make(budget=12)
-    shown = [(info["length"] / env.session.problem.scenario.straight_line, info["cost"]) for _, _, info in episode(env)]
+    shown = [
+        (info["length"] / env.session.problem.scenario.straight_line, info["cost"])
+        for _, _, info in episode(env)
+    ]
     assert any(own != paid for own, paid in shown)
 
 

@@ -29,7 +29,11 @@ def native(env_id, count=N, **kwargs):
 
 def singles(env_id, mode):
     return gymnasium.make_vec(
-        env_id, num_envs=N, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}, **settings(env_id)
+        env_id,
+        num_envs=N,
+        vectorization_mode="sync",
+        vector_kwargs={"autoreset_mode": mode},
+        **settings(env_id),
     )
 
 
@@ -53,7 +57,9 @@ def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode):
 
 @pytest.mark.parametrize("env_id", IDS)
 def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id):
-    batch, alone = (make(env_id, AutoresetMode.DISABLED) for make in (lambda i, m: native(i, autoreset_mode=m), singles))
+    batch, alone = (
+        make(env_id, AutoresetMode.DISABLED) for make in (lambda i, m: native(i, autoreset_mode=m), singles)
+    )
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng, over = np.random.default_rng(0), np.zeros(N, bool)
     for _ in range(9):
@@ -144,7 +150,9 @@ def test_threads_change_nothing(env_id, monkeypatch):
         assert_same(one, other)
 
 
-@pytest.mark.parametrize(("env_id", "mode"), [(ONE_SHOT, AutoresetMode.SAME_STEP), (TRIALS, AutoresetMode.NEXT_STEP)])
+@pytest.mark.parametrize(
+    ("env_id", "mode"), [(ONE_SHOT, AutoresetMode.SAME_STEP), (TRIALS, AutoresetMode.NEXT_STEP)]
+)
 def test_make_vec_picks_the_native_batch_and_warns_of_nothing(env_id, mode):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -229,7 +237,10 @@ def test_slot_seeds_are_unrelated_and_do_not_depend_on_how_many_there_are():
 
 @pytest.mark.parametrize("mode", ["ansi", "rgb_array"])
 def test_a_batch_shows_a_picture_of_every_slot(mode):
-    batch, alone = native(ONE_SHOT, render_mode=mode), gymnasium.make(ONE_SHOT, render_mode=mode, **settings(ONE_SHOT))
+    batch, alone = (
+        native(ONE_SHOT, render_mode=mode),
+        gymnasium.make(ONE_SHOT, render_mode=mode, **settings(ONE_SHOT)),
+    )
     batch.reset(seed=ROOT)
     alone.reset(seed=env_seeds(ROOT, N)[2])
     pictures = batch.render()

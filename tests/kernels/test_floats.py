@@ -19,8 +19,12 @@ def normal_numbers(count=COUNT):
 
 def wide_numbers(count=COUNT):
     """Positive normal float64, all exponents alike."""
-    bits = np.random.default_rng(RNG_SEED).integers(0x0010000000000000, 0x7FEFFFFFFFFFFFFF, count, dtype=np.int64)
-    edges = np.array([np.finfo(float).tiny, np.nextafter(1.0, 0), 1.0, np.nextafter(1.0, 2), np.finfo(float).max])
+    bits = np.random.default_rng(RNG_SEED).integers(
+        0x0010000000000000, 0x7FEFFFFFFFFFFFFF, count, dtype=np.int64
+    )
+    edges = np.array(
+        [np.finfo(float).tiny, np.nextafter(1.0, 0), 1.0, np.nextafter(1.0, 2), np.finfo(float).max]
+    )
     return np.concatenate([bits.view(np.float64), edges])
 
 
@@ -45,7 +49,9 @@ def beyond_rounding(found, exact):
 
 
 @pytest.mark.parametrize(
-    ("logarithm", "numbers"), [(floats.log2, normal_numbers()), (floats.log2_wide, wide_numbers())], ids=["log2", "wide"]
+    ("logarithm", "numbers"),
+    [(floats.log2, normal_numbers()), (floats.log2_wide, wide_numbers())],
+    ids=["log2", "wide"],
 )
 def test_logarithms_err_by_less_than_2e7_beyond_rounding(logarithm, numbers):
     assert beyond_rounding(each(logarithm, numbers), np.log2(numbers.astype(float))).max() < 2e-7
@@ -88,7 +94,11 @@ def test_powers_end_at_nothing_and_at_2_to_the_126():
 
 @pytest.mark.parametrize(
     ("function", "numbers"),
-    [(floats.log2, normal_numbers(2000)), (floats.log2_wide, wide_numbers(2000)), (floats.exp2, exponents(1000))],
+    [
+        (floats.log2, normal_numbers(2000)),
+        (floats.log2_wide, wide_numbers(2000)),
+        (floats.exp2, exponents(1000)),
+    ],
     ids=["log2", "log2_wide", "exp2"],
 )
 def test_interpreted_functions_give_the_same_bits(function, numbers):

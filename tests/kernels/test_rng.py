@@ -29,7 +29,13 @@ def wrap_around_is_meant():
 
 def test_draws_of_key_zero_are_splitmix64s_published_sequence():
     """The first outputs of splitmix64.c (Vigna 2015) seeded with 0."""
-    published = [0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F, 0xF88BB8A8724C81EC, 0x1B39896A51A8749B]
+    published = [
+        0xE220A8397B1DCDAF,
+        0x6E789E6AA1B965F4,
+        0x06C45D188009454F,
+        0xF88BB8A8724C81EC,
+        0x1B39896A51A8749B,
+    ]
     assert draws(0, 5).tolist() == published
 
 

@@ -37,7 +37,9 @@ def test_what_is_no_grid_is_refused(free, message):
         GridWorld(free)
 
 
-@pytest.mark.parametrize("cell", [(1, 1), (1, 0, 1), (1, -1, 1), (1, 1, np.nan), (1, 1, np.inf), (1, 1, 1, 1)])
+@pytest.mark.parametrize(
+    "cell", [(1, 1), (1, 0, 1), (1, -1, 1), (1, 1, np.nan), (1, 1, np.inf), (1, 1, 1, 1)]
+)
 def test_a_cell_without_three_positive_edges_is_refused(cell):
     with pytest.raises(MapError, match="cell edges must be three positive numbers"):
         GridWorld(np.ones((2, 2, 2)), cell)
@@ -101,7 +103,9 @@ def test_a_world_without_a_free_cell_is_named():
 @pytest.mark.parametrize("ask", [lambda s: s.optimum, shortest_path])
 def test_a_scenario_without_a_path_is_named(ask):
     scenario = Scenario(box(blocked=[(2, None, None)]), *ENDS, name="walled in")
-    with pytest.raises(ScenarioError, match=r"no path leads from \(0, 1, 1\) to \(3, 1, 1\) in scenario 'walled in'"):
+    with pytest.raises(
+        ScenarioError, match=r"no path leads from \(0, 1, 1\) to \(3, 1, 1\) in scenario 'walled in'"
+    ):
         ask(scenario)
 
 
@@ -118,7 +122,13 @@ def test_cells_become_plain_integers():
 
 
 def test_the_digest_changes_with_every_ingredient():
-    worlds = [box(), box(blocked=[(1, 2, 2)]), box(cell=(15.0, 15.0, 15.1)), box(shape=(4, 3, 5)), box(shape=(5, 5, 3))]
+    worlds = [
+        box(),
+        box(blocked=[(1, 2, 2)]),
+        box(cell=(15.0, 15.0, 15.1)),
+        box(shape=(4, 3, 5)),
+        box(shape=(5, 5, 3)),
+    ]
     scenarios = [Scenario(world, *ENDS) for world in worlds]
     scenarios += [
         Scenario(box(), (0, 1, 0), ENDS[1]),
@@ -130,7 +140,9 @@ def test_the_digest_changes_with_every_ingredient():
 
 def test_the_digest_does_not_change_with_the_name_or_the_array_given():
     one = Scenario(box(), *ENDS, name="one")
-    other = Scenario(GridWorld(np.asfortranarray(np.ones((4, 5, 3))), (15, 15, 15)), *map(np.array, ENDS), name="other")
+    other = Scenario(
+        GridWorld(np.asfortranarray(np.ones((4, 5, 3))), (15, 15, 15)), *map(np.array, ENDS), name="other"
+    )
     assert one.digest == other.digest
 
 

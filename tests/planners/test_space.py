@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antgym.errors import ParameterError
@@ -12,19 +12,25 @@ from antgym.planners.rules import PAPERS
 from antgym.planners.space import Parameter, ParameterSpace, named_values
 
 SPACES = [
-    *(rules.ranges.space(straight, tau) for rules in PAPERS.values() for straight, tau in ((1.0, 1.0), (437.3, 0.01))),
+    *(
+        rules.ranges.space(straight, tau)
+        for rules in PAPERS.values()
+        for straight, tau in ((1.0, 1.0), (437.3, 0.01))
+    ),
     ParameterSpace((Parameter("share", -2.0, 0.1, 7.0, "linear", "of something"),)),
 ]
 spaces = st.sampled_from(SPACES)
 units = st.floats(0, 1)
 
 
+@settings(deadline=None)
 @given(space=spaces, unit=units)
 def test_decoding_and_encoding_again_gives_the_setting(space, unit):
     setting = np.full((1, len(space)), unit)
     assert space.encode(space.decode(setting)) == pytest.approx(setting, abs=1e-9)
 
 
+@settings(deadline=None)
 @given(space=spaces, shares=st.lists(units, min_size=2, max_size=2))
 def test_encoding_and_decoding_again_gives_the_natural_values(space, shares):
     low, high = (np.array([getattr(p, end) for p in space.parameters]) for end in ("low", "high"))
@@ -40,6 +46,7 @@ def test_ends_and_middle_are_exact_both_ways(space, unit, name):
     assert space.encode(naturals)[0].tolist() == [unit] * len(space)
 
 
+@settings(deadline=None)
 @given(space=spaces, pair=st.tuples(units, units).map(sorted))
 def test_decoding_never_falls(space, pair):
     one, other = space.decode([[unit] * len(space) for unit in pair])
@@ -55,6 +62,7 @@ def test_decoding_never_falls_beside_a_knot(space, knot):
     assert (np.diff(values, axis=0) >= 0).all()
 
 
+@settings(deadline=None)
 @given(space=spaces, unit=units)
 def test_decoded_values_stay_in_their_ranges(space, unit):
     for p, value in zip(space.parameters, space.decode([unit] * len(space))[0], strict=True):
@@ -70,7 +78,9 @@ def test_a_setting_outside_the_unit_cube_is_named(value):
 
 @pytest.mark.parametrize("value", [0.0, 1e9, float("nan")])
 def test_a_natural_value_outside_its_range_is_named(value):
-    with pytest.raises(ParameterError, match=re.escape(f"beta = {value:g} lies outside its range [0.02, 10]")):
+    with pytest.raises(
+        ParameterError, match=re.escape(f"beta = {value:g} lies outside its range [0.02, 10]")
+    ):
         SPACES[0].encode([1.0, value, 0.5, 1.0])
 
 

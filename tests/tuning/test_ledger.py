@@ -202,7 +202,14 @@ def test_a_last_line_cut_short_is_dropped(tmp_path, file):
 
 @pytest.mark.parametrize(
     "damage",
-    ["{", "\0\0\0", "[]", "7", '{"run": "a"}', '{"run":"a","kind":"trial","index":5,"unit":[],"cost":1,"work":1}'],
+    [
+        "{",
+        "\0\0\0",
+        "[]",
+        "7",
+        '{"run": "a"}',
+        '{"run":"a","kind":"trial","index":5,"unit":[],"cost":1,"work":1}',
+    ],
 )
 def test_a_damaged_line_is_named_with_its_number(tmp_path, damage):
     with opened(tmp_path) as ledger:
@@ -247,7 +254,9 @@ def test_another_process_on_the_folder_is_refused(tmp_path):
         "try:\n    Ledger(sys.argv[1], {}, {})\nexcept LedgerError as error:\n    print(error)\n"
     )
     with opened(tmp_path):
-        done = subprocess.run([sys.executable, "-c", script, tmp_path], capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [sys.executable, "-c", script, tmp_path], capture_output=True, text=True, check=True
+        )
     assert "in use by another process" in done.stdout
 
 
@@ -294,7 +303,9 @@ with t.opened(folder) as ledger:
 
 def test_a_full_disk_leaves_no_half_accepted_trial(tmp_path):
     script = FULL_DISK.format(tests=str(Path(__file__).parent))
-    done = subprocess.run([sys.executable, "-c", script, tmp_path], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script, tmp_path], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     first, second, kept = done.stdout.splitlines()
     assert first == second

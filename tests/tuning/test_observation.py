@@ -101,7 +101,9 @@ def test_nothing_that_an_agent_sees_depends_on_the_optimum(monkeypatch, seed):
 
 def test_an_agent_can_tune_where_the_optimum_cannot_be_known(monkeypatch):
     """Nobody may even ask for it."""
-    monkeypatch.setattr(Scenario, "optimum", property(lambda _: pytest.fail("somebody asked for the optimum")))
+    monkeypatch.setattr(
+        Scenario, "optimum", property(lambda _: pytest.fail("somebody asked for the optimum"))
+    )
     assert len(walk(random_scenario(0))) == 8
 
 

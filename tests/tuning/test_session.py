@@ -166,7 +166,9 @@ def test_records_are_plain_and_frozen(problem):
 def test_the_incumbent_has_the_lowest_mean_over_its_trials():
     """One lucky run of a setting that is worse on average does not make it the best."""
     a, b = (0.1,) * 4, (0.2,) * 4
-    trials = [Trial(i, unit, cost, 1) for i, (unit, cost) in enumerate([(a, 1.0), (b, 1.3), (a, 2.0), (b, 1.5)])]
+    trials = [
+        Trial(i, unit, cost, 1) for i, (unit, cost) in enumerate([(a, 1.0), (b, 1.3), (a, 2.0), (b, 1.5)])
+    ]
     assert incumbent(trials[:3]) == (b, 1.3)
     assert incumbent(trials) == (b, 1.4)
 
@@ -178,7 +180,12 @@ def test_on_a_tie_the_earliest_is_the_incumbent():
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [({"rules": "lui2020"}, "did you mean 'liu2020'"), ({"ants": 0}, "ants = 0"), ({"ants": 2.5}, "ants = 2.5"), ({"iterations": -1}, "iterations = -1")],
+    [
+        ({"rules": "lui2020"}, "did you mean 'liu2020'"),
+        ({"ants": 0}, "ants = 0"),
+        ({"ants": 2.5}, "ants = 2.5"),
+        ({"iterations": -1}, "iterations = -1"),
+    ],
 )
 def test_a_problem_that_cannot_be_run_is_named(valley, arguments, message):
     with pytest.raises(ParameterError, match=message):
@@ -209,7 +216,12 @@ def test_fresh_runs_are_charged_to_nobody_and_repeat_themselves(problem):
 
 def test_gaps_are_capped_and_never_negative(problem):
     optimum = problem.scenario.optimum
-    assert problem.gap(np.array([optimum, 1.25 * optimum, 9 * optimum, np.inf])).tolist() == [0, 0.25, GAP_CAP, GAP_CAP]
+    assert problem.gap(np.array([optimum, 1.25 * optimum, 9 * optimum, np.inf])).tolist() == [
+        0,
+        0.25,
+        GAP_CAP,
+        GAP_CAP,
+    ]
 
 
 def test_a_length_below_the_optimum_is_a_bug_that_stops_the_run(problem):
