@@ -21,8 +21,8 @@ class PolicyAgent:
     A checkpoint is unpickled by stable-baselines3: load only those that you trained yourself.
 
     Args:
-        path: checkpoint ``<name>.zip``; beside it lies ``<name>.json`` with at least ``{"algorithm": "TD3"}``
-            and, for tables, ``env`` and ``evaluations``.
+        path: checkpoint ``<name>.zip``, or the name alone, or the card beside it: ``<name>.json``, which holds at
+            least ``{"algorithm": "TD3"}`` and, for tables, ``env`` and ``evaluations``.
 
     Attributes:
         card: what the JSON file says.
@@ -32,7 +32,7 @@ class PolicyAgent:
     """
 
     def __init__(self, path: str | Path) -> None:
-        stem = str(path).removesuffix(".zip")
+        stem = str(path).removesuffix(".zip").removesuffix(".json")
         self.path = Path(f"{stem}.zip")
         self.card = _read_card(Path(f"{stem}.json"))
         if not self.path.is_file():

@@ -143,7 +143,9 @@ class Colony:
         if before != (run.alpha, run.beta) and self.done:
             kernels.forget_weights(self._buffers.nodes, self._buffers.trail)
         until = self.done + iterations
-        with np.errstate(over="ignore"):  # interpreted, the wrap-around of random numbers and hashes would warn
+        with np.errstate(
+            over="ignore"
+        ):  # interpreted, the wrap-around of random numbers and hashes would warn
             while self._walk(run, until) < until:
                 self._buffers = with_more_rows(self._buffers)
 
