@@ -36,7 +36,7 @@ def test_a_setting_survives_its_file(tmp_path):
 @pytest.mark.parametrize("text", ["", "[]", '{"format": "another"}', '{"format": "antgym static setting 1"}'])
 def test_a_file_that_is_no_setting_is_named(tmp_path, text):
     (tmp_path / "static.json").write_text(text)
-    with pytest.raises(ParameterError, match="static.json"):
+    with pytest.raises(ParameterError, match=r"static\.json"):
         StaticAgent(tmp_path / "static.json")
 
 
