@@ -13,117 +13,28 @@ Why it looks as it does (each measured in ``experiments/speed.py``):
   distribution, and this one is three vector additions.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from antgym.kernels import inlined, kernel
-from antgym.kernels.floats import exp2, log2, log2_wide
+from antgym.kernels import kernel
+from antgym.kernels.floats import log2
+from antgym.kernels.layout import (
+    BEST,
+    CLEAN,
+    DEAD_END,
+    DONE,
+    FOLD_BELOW,
+    MADE,
+    ROWS,
+    SCALE,
+    UNVISITED,
+    WIDTH,
+    History,
+)
+from antgym.kernels.nodes import node, pick, refresh
+from antgym.kernels.pheromone import deposit, fold
 from antgym.kernels.rng import draw, high_uniform, low_uniform
 
-WIDTH, LANES, SHIFT = 32, 8, 5
-CLEAN, SUMS_STALE, ROW_STALE, DEAD_END = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
 _F = np.float32
-BLOCKED = _F(-1e30)  # log2 η of a slot that is no legal move
-_ZERO, _ONE = _F(0.0), _F(1.0)
-OUTGROWN = _F(60.0)
-FOLD_BELOW, FLOOR = 2.0**-500, 2.0**-1000  # of the global scale, and of any pheromone
-_HASH, _HASH_SHIFT = np.uint64(0x9E3779B97F4A7C15), np.uint64(32)
-
-# slots of Trail.status and Trail.levels
-ROWS, DONE, MADE, STATUS_SIZE = 0, 1, 2, 3
-SCALE, UNVISITED, BEST, LEVEL_SIZE = 0, 1, 2, 3
-
-RUN = np.dtype(
-    [
-        ("origin", np.int64),  # where this world begins in the flat ``free`` array; cells are indices into it
-        ("stride_x", np.int64),
-        ("stride_y", np.int64),
-        ("start_x", np.int64),
-        ("start_y", np.int64),
-        ("start_z", np.int64),
-        ("goal_y", np.int64),
-        ("goal_z", np.int64),
-        ("layers", np.int64),
-        ("reach", np.int64),  # cells that y and z may change per layer
-        ("table", np.int64),  # which of the move tables
-        ("ants", np.int64),
-        ("iterations", np.int64),
-        ("key", np.uint64),  # of the random numbers
-        ("cell_x", np.float64),
-        ("cell_y", np.float64),
-        ("cell_z", np.float64),
-        # D = 1 / (step_share · step + distance_share · distance to the anchor)
-        ("step_share", np.float32),
-        ("distance_share", np.float32),
-        ("w1", np.float32),
-        ("w2", np.float32),
-        ("q0", np.float32),
-        ("alpha", np.float32),
-        ("beta", np.float32),
-        ("rho", np.float64),
-        ("deposit", np.float64),  # Q / initial pheromone
-        ("to_goal", np.bool_),  # the anchor is the goal, not the start
-        ("plain", np.bool_),  # the greedy move ignores alpha and beta
-    ],
-    align=True,
-)
-"""One planner run: scenario, rule, parameters and effort, as the kernels read it."""
-
-
-class Moves(NamedTuple):
-    """The move table of one run, padded to 32 slots."""
-
-    dy: np.ndarray  # (32,) int64
-    dz: np.ndarray
-    crossed: np.ndarray  # (3, 32) int64 cell offsets: before the layer boundary, behind it, the end
-    along_y: np.ndarray  # (32,) float32 world units
-    along_z: np.ndarray
-    step: np.ndarray  # (32,) float32 length
-    level: np.ndarray  # (32,) float32 log2(|dz| + 1)
-    length: np.ndarray  # (32,) float64
-
-
-class Nodes(NamedTuple):
-    """Visited nodes, one row each."""
-
-    cell: np.ndarray  # (rows,) int64
-    place: np.ndarray  # (rows,) int64 where in ``table``
-    eta: np.ndarray  # (rows, 32) float32 log2 of the heuristic
-    tau: np.ndarray  # (rows, 32) float64 pheromone / (initial pheromone · scale)
-    weight: np.ndarray  # (rows, 32) float32
-    sums: np.ndarray  # (rows, 32) float32 prefix sums, lane-major
-    child: np.ndarray  # (rows, 32) int32 row behind a move, -1 unknown
-    mark: np.ndarray  # (rows,) int64 bit per slot: deposit received, power not renewed
-    peak: np.ndarray  # (rows,) float32
-    top: np.ndarray  # (rows,) float32 score of the greedy slot
-    greedy: np.ndarray  # (rows,) int32
-    state: np.ndarray  # (rows,) uint8
-    table: np.ndarray  # (power of two,) int32 hash table: row + 1, 0 = empty
-    scratch: np.ndarray  # (2, 32) float32
-
-
-class Trail(NamedTuple):
-    """Where the ants of one iteration are and went, and what the run remembers."""
-
-    row: np.ndarray  # (ants,) int64, -1 = died
-    length: np.ndarray  # (ants,) float64
-    edge: np.ndarray  # (layers · ants,) int32: row · 32 + slot
-    best_edge: np.ndarray  # (layers,) int32
-    due: np.ndarray  # (layers · ants,) int32 edges that wait for a new power
-    wide: np.ndarray  # (layers · ants,) float64 their pheromone
-    narrow: np.ndarray  # (layers · ants,) float32 its logarithm
-    weight: np.ndarray  # (layers · ants,) float32 their power
-    status: np.ndarray  # (STATUS_SIZE,) int64
-    levels: np.ndarray  # (LEVEL_SIZE,) float64
-
-
-class History(NamedTuple):
-    """What a run leaves per iteration."""
-
-    best: np.ndarray  # float64 shortest so far, inf before any
-    mean: np.ndarray  # float64 mean over the ants that arrived, inf if none
-    arrived: np.ndarray  # int64 ants that arrived
 
 
 @kernel
@@ -189,26 +100,6 @@ def begin(run, tables, moves, nodes, trail):
 
 
 @kernel
-def rehash(nodes, count):
-    """Enter the first ``count`` rows into an empty hash table."""
-    mask = nodes.table.shape[0] - 1
-    for row in range(count):
-        place = _home(nodes.cell[row]) & mask
-        while nodes.table[place] != 0:
-            place = (place + 1) & mask
-        nodes.table[place] = row + 1
-        nodes.place[row] = place
-
-
-@kernel
-def forget_weights(nodes, trail):
-    """Let every row be weighed again at its next visit: alpha or beta changed, the pheromone did not."""
-    for row in range(trail.status[ROWS]):
-        if nodes.state[row] != DEAD_END:
-            nodes.state[row] = ROW_STALE
-
-
-@kernel
 def advance(free, run, moves, nodes, trail, history, until):
     """Walk iterations until ``until`` of them are done or the rows may not suffice for the next one.
 
@@ -219,13 +110,13 @@ def advance(free, run, moves, nodes, trail, history, until):
     while status[DONE] < until and status[ROWS] + run.ants * run.layers + 1 <= nodes.cell.shape[0]:
         if status[ROWS] == 0:
             start = run.origin + run.start_x * run.stride_x + run.start_y * run.stride_y + run.start_z
-            _node(free, run, moves, nodes, trail, start)
+            node(free, run, moves, nodes, trail, start)
         _walk(free, run, moves, nodes, trail)
         _remember(run, trail, history)
         levels[SCALE] *= run.rho
         if levels[SCALE] < FOLD_BELOW:
-            _fold(nodes, trail)
-        _deposit(run, nodes, trail)
+            fold(nodes, trail)
+        deposit(run, nodes, trail)
         status[DONE] += 1
     return status[DONE]
 
@@ -248,30 +139,19 @@ def _walk(free, run, moves, nodes, trail):
                 if nodes.state[row] == DEAD_END:
                     trail.row[a] = -1
                     continue
-                _refresh(run, nodes, row)
+                refresh(run, nodes, row)
             bits = draw(key, first + np.uint64(layer * ants + a))
             is_greedy = low_uniform(bits) < q0
-            slot = np.int64(nodes.greedy[row]) if is_greedy else _pick(nodes.sums, row, high_uniform(bits))
+            slot = np.int64(nodes.greedy[row]) if is_greedy else pick(nodes.sums, row, high_uniform(bits))
             child = np.int64(nodes.child[row, slot])
             if child < 0:
-                child = _node(free, run, moves, nodes, trail, nodes.cell[row] + moves.crossed[2, slot])
+                child = node(free, run, moves, nodes, trail, nodes.cell[row] + moves.crossed[2, slot])
                 nodes.child[row, slot] = child
             trail.edge[layer * ants + a] = row * WIDTH + slot
             trail.length[a] += moves.length[slot]
             trail.row[a] = child
             made += 1
     status[MADE] += made
-
-
-@inlined
-def _pick(sums, row, uniform):
-    """Return the slot whose share of the total holds ``uniform``; always one of positive weight."""
-    mark = uniform * sums[row, WIDTH - 1]
-    lane = np.int32(0)
-    for k in range(WIDTH - LANES, WIDTH - 1):  # the last depth holds the sums up to the end of each lane
-        lane = np.int32(lane + np.int32(sums[row, k] <= mark))
-    depth = np.int32(sums[row, lane] <= mark) + np.int32(sums[row, lane + LANES] <= mark)
-    return np.int64(LANES * (depth + np.int32(sums[row, lane + 2 * LANES] <= mark)) + lane)
 
 
 @kernel
@@ -291,174 +171,3 @@ def _remember(run, trail, history):
     history.best[done] = levels[BEST]
     history.mean[done] = total / arrived if arrived > 0 else np.inf
     history.arrived[done] = arrived
-
-
-@kernel
-def _deposit(run, nodes, trail):
-    """Let every ant that arrived add Q / length to its edges (liu2020 (3), summed over ants), then renew powers."""
-    ants, due = run.ants, 0
-    for a in range(ants):
-        trail.length[a] = run.deposit / trail.length[a] / trail.levels[SCALE] if trail.row[a] >= 0 else 0.0
-    for layer in range(run.layers):
-        for a in range(ants):
-            if trail.row[a] >= 0:
-                edge = np.int64(trail.edge[layer * ants + a])
-                row, slot = edge >> SHIFT, edge & (WIDTH - 1)
-                nodes.tau[row, slot] += trail.length[a]
-                bit = np.int64(1) << slot
-                if nodes.mark[row] & bit == 0:
-                    nodes.mark[row] |= bit
-                    trail.due[due] = edge
-                    due += 1
-    for i in range(due):
-        row, slot = np.int64(trail.due[i]) >> SHIFT, np.int64(trail.due[i]) & (WIDTH - 1)
-        nodes.mark[row] = 0
-        trail.wide[i] = nodes.tau[row, slot]
-    _renew(run, nodes, trail, due)
-
-
-@inlined
-def _renew(run, nodes, trail, due):
-    """Give the edges that are due their new power; the sums of their rows wait for the next visit."""
-    alpha, beta, tau, weight = run.alpha, run.beta, trail.narrow, trail.weight
-    for i in range(due):
-        tau[i] = log2_wide(trail.wide[i])
-    for i in range(due):
-        row, slot = np.int64(trail.due[i]) >> SHIFT, np.int64(trail.due[i]) & (WIDTH - 1)
-        weight[i] = alpha * tau[i] + beta * nodes.eta[row, slot] - nodes.peak[row]
-        score = tau[i] + nodes.eta[row, slot] if run.plain else weight[i]
-        if weight[i] > OUTGROWN:
-            nodes.state[row] = ROW_STALE
-        elif nodes.state[row] != ROW_STALE:
-            nodes.state[row] = SUMS_STALE
-            if score > nodes.top[row] or (score == nodes.top[row] and slot < nodes.greedy[row]):
-                nodes.top[row], nodes.greedy[row] = score, slot
-    for i in range(due):
-        weight[i] = exp2(weight[i])
-    for i in range(due):
-        row, slot = np.int64(trail.due[i]) >> SHIFT, np.int64(trail.due[i]) & (WIDTH - 1)
-        nodes.weight[row, slot] = weight[i]
-
-
-@kernel
-def _fold(nodes, trail):
-    """Multiply the scale into the pheromone before it leaves the floating range; rare."""
-    levels = trail.levels
-    levels[UNVISITED] = max(levels[UNVISITED] * levels[SCALE], FLOOR)
-    for row in range(trail.status[ROWS]):
-        for slot in range(WIDTH):
-            nodes.tau[row, slot] = max(nodes.tau[row, slot] * levels[SCALE], FLOOR)
-    levels[SCALE] = 1.0
-    forget_weights(nodes, trail)
-
-
-@inlined
-def _refresh(run, nodes, row):
-    """Make a row's weights and sums current."""
-    if nodes.state[row] == ROW_STALE:
-        for k in range(WIDTH):
-            nodes.scratch[0, k] = log2_wide(nodes.tau[row, k])
-        _weigh(run, nodes, row)
-    _sum(nodes.weight, nodes.sums, row)
-    nodes.state[row] = CLEAN
-
-
-@inlined
-def _weigh(run, nodes, row):
-    """Compute all weights of a row from log2 pheromone in ``scratch[0]``; its largest exponent becomes its peak."""
-    eta, weight, tau, alpha, beta = nodes.eta, nodes.weight, nodes.scratch, run.alpha, run.beta
-    for k in range(WIDTH):
-        exponent = alpha * tau[0, k] + beta * eta[row, k]
-        weight[row, k] = exponent if eta[row, k] > BLOCKED else BLOCKED
-    for lane in range(LANES):
-        tau[1, lane] = max(weight[row, lane], weight[row, lane + LANES])
-    for lane in range(LANES):
-        tau[1, lane] = max(tau[1, lane], weight[row, lane + 2 * LANES], weight[row, lane + 3 * LANES])
-    peak = tau[1, 0]
-    for lane in range(1, LANES):
-        peak = max(peak, tau[1, lane])
-    greedy, top = 0, BLOCKED
-    if run.q0 > _ZERO:
-        for k in range(WIDTH):
-            score = tau[0, k] + eta[row, k] if run.plain else weight[row, k] - peak
-            if eta[row, k] > BLOCKED and score > top:
-                greedy, top = k, score
-    nodes.peak[row], nodes.greedy[row], nodes.top[row] = peak, greedy, top
-    for k in range(WIDTH):
-        weight[row, k] = exp2(weight[row, k] - peak) if eta[row, k] > BLOCKED else _ZERO
-
-
-@inlined
-def _sum(weight, sums, row):
-    """Write the lane-major prefix sums of a row's weights; the last of them is the total."""
-    before = _ZERO
-    for lane in range(LANES):
-        first = weight[row, lane]
-        second = first + weight[row, lane + LANES]
-        third = second + weight[row, lane + 2 * LANES]
-        sums[row, lane] = before + first
-        sums[row, lane + LANES] = before + second
-        sums[row, lane + 2 * LANES] = before + third
-        before = before + (third + weight[row, lane + 3 * LANES])
-        sums[row, lane + 3 * LANES] = before
-
-
-@inlined
-def _home(cell):
-    """Return where a cell's search in the hash table begins, before masking."""
-    return np.int64((np.uint64(cell) * _HASH) >> _HASH_SHIFT)
-
-
-@inlined
-def _node(free, run, moves, nodes, trail, cell):
-    """Return the row of a cell, opening it on the first visit."""
-    mask = nodes.table.shape[0] - 1
-    place = _home(cell) & mask
-    while nodes.table[place] != 0:
-        row = np.int64(nodes.table[place]) - 1
-        if nodes.cell[row] == cell:
-            return row
-        place = (place + 1) & mask
-    row = trail.status[ROWS]
-    trail.status[ROWS] = row + 1
-    nodes.table[place] = row + 1
-    nodes.cell[row], nodes.place[row], nodes.mark[row] = cell, place, 0
-    unvisited = trail.levels[UNVISITED]
-    for k in range(WIDTH):
-        nodes.tau[row, k] = unvisited
-        nodes.child[row, k] = -1
-    nodes.state[row] = DEAD_END
-    if _sense(free, run, moves, nodes.eta, row, cell):
-        nodes.scratch[0] = log2_wide(unvisited)
-        _weigh(run, nodes, row)
-        nodes.state[row] = SUMS_STALE
-    return row
-
-
-@inlined
-def _sense(free, run, moves, eta, row, cell):
-    """Write log2 η of every move from a cell, liu2020 (5)-(8); return whether any is legal."""
-    x, rest = divmod(cell - run.origin, run.stride_x)
-    y, z = divmod(rest, run.stride_y)
-    left = run.layers - (x - run.start_x) - 1
-    slack, found = run.reach * left, False
-    for k in range(WIDTH):
-        legal = abs(run.goal_y - y - moves.dy[k]) <= slack and abs(run.goal_z - z - moves.dz[k]) <= slack
-        if legal:
-            for part in range(3):
-                legal = legal and free[cell + moves.crossed[part, k]] != 0
-        eta[row, k] = _ZERO if legal else BLOCKED
-        found = found or legal
-    if run.to_goal:
-        away_x, away_y, away_z = _F(left), _F(run.goal_y - y), _F(run.goal_z - z)
-    else:
-        away_x, away_y, away_z = _F(left - run.layers), _F(run.start_y - y), _F(run.start_z - z)
-    away_x, away_y, away_z = away_x * _F(run.cell_x), away_y * _F(run.cell_y), away_z * _F(run.cell_z)
-    step_share, distance_share, w1, w2 = run.step_share, run.distance_share, run.w1, run.w2
-    for k in range(WIDTH):
-        dy, dz = away_y - moves.along_y[k], away_z - moves.along_z[k]
-        distance = np.sqrt(away_x * away_x + dy * dy + dz * dz)
-        span = step_share * moves.step[k] + distance_share * distance
-        value = -(w1 * log2(span)) - w2 * moves.level[k]
-        eta[row, k] = value if eta[row, k] > BLOCKED else BLOCKED
-    return found

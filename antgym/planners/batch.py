@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import ParameterError
-from antgym.kernels import ants as kernels
+from antgym.kernels.ants import plan_range
+from antgym.kernels.layout import RUN, History
 from antgym.maps.motion import REACH, Motion, move_table
 from antgym.maps.world import PAD, GridWorld, Scenario
 from antgym.planners.buffers import Workspace, with_more_rows
@@ -57,7 +58,7 @@ class Batch:
     free: NDArray[np.uint8]
     runs: Any
     tables: NDArray[np.int64]
-    history: kernels.History
+    history: History
     offsets: NDArray[np.int64]
     cells: NDArray[np.int64]
     lengths: NDArray[np.float64]
@@ -76,7 +77,7 @@ class Batch:
         """Check everything once and pack it."""
         count = len(scenarios)
         each = _each_rules(rules, count)
-        runs = np.zeros(count, kernels.RUN).view(np.recarray)
+        runs = np.zeros(count, RUN).view(np.recarray)
         free, runs["origin"] = _pack([s.world for s in scenarios])
         motions = list(dict.fromkeys(s.motion for s in scenarios))
         _write_scenarios(runs, scenarios, motions)
@@ -91,7 +92,7 @@ class Batch:
             write_parameters(runs, naturals, each)
         ends = np.cumsum([runs["iterations"], runs["layers"]], axis=1)
         total = ends[:, -1] if count else (0, 0)
-        history = kernels.History(np.empty(total[0]), np.empty(total[0]), np.empty(total[0], np.int64))
+        history = History(np.empty(total[0]), np.empty(total[0]), np.empty(total[0], np.int64))
         offsets = np.ascontiguousarray((ends - [runs["iterations"], runs["layers"]]).T)
         return cls(
             scenarios,
@@ -114,9 +115,7 @@ class Batch:
         resume = False
         with np.errstate(over="ignore"):  # interpreted, the random numbers' wrap-around would warn
             while first < last:
-                first = kernels.plan_range(
-                    self.free, runs, self.tables, *buffers, *arrays, first, last, resume
-                )
+                first = plan_range(self.free, runs, self.tables, *buffers, *arrays, first, last, resume)
                 if first < last:
                     buffers = _WORKSPACE.buffers = with_more_rows(buffers)
                     resume = True

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from antgym.kernels import ants
+from antgym.kernels.layout import LEVEL_SIZE, ROWS, STATUS_SIZE, WIDTH, Moves, Nodes, Trail
+from antgym.kernels.nodes import rehash
 
 _FIRST_ROWS = 2048
 _FAR = 1 << 40  # a padded slot moves out of every reach
@@ -14,35 +15,35 @@ _FAR = 1 << 40  # a padded slot moves out of every reach
 class Buffers(NamedTuple):
     """What :func:`antgym.kernels.ants.advance` works in."""
 
-    moves: ants.Moves
-    nodes: ants.Nodes
-    trail: ants.Trail
+    moves: Moves
+    nodes: Nodes
+    trail: Trail
 
 
 def new_buffers(rows: int, colony: int, edges: int, layers: int) -> Buffers:
     """Return empty buffers for ``rows`` visited nodes, a colony of ants, and edges = layers · ants."""
-    far = np.full(ants.WIDTH, _FAR)
-    moves = ants.Moves(
+    far = np.full(WIDTH, _FAR)
+    moves = Moves(
         dy=far,
         dz=far.copy(),
-        crossed=np.zeros((3, ants.WIDTH), np.int64),
-        along_y=np.zeros(ants.WIDTH, np.float32),
-        along_z=np.zeros(ants.WIDTH, np.float32),
-        step=np.ones(ants.WIDTH, np.float32),
-        level=np.zeros(ants.WIDTH, np.float32),
-        length=np.ones(ants.WIDTH),
+        crossed=np.zeros((3, WIDTH), np.int64),
+        along_y=np.zeros(WIDTH, np.float32),
+        along_z=np.zeros(WIDTH, np.float32),
+        step=np.ones(WIDTH, np.float32),
+        level=np.zeros(WIDTH, np.float32),
+        length=np.ones(WIDTH),
     )
     return Buffers(moves, _new_nodes(rows), _new_trail(colony, edges, layers))
 
 
 def with_more_rows(buffers: Buffers) -> Buffers:
     """Return buffers with twice the rows and the same contents."""
-    old, count = buffers.nodes, int(buffers.trail.status[ants.ROWS])
+    old, count = buffers.nodes, int(buffers.trail.status[ROWS])
     nodes = _new_nodes(2 * len(old.cell))
-    for name in set(ants.Nodes._fields) - {"table", "scratch"}:
+    for name in set(Nodes._fields) - {"table", "scratch"}:
         getattr(nodes, name)[:count] = getattr(old, name)[:count]
     with np.errstate(over="ignore"):  # interpreted, the hash's wrap-around would warn
-        ants.rehash(nodes, count)
+        rehash(nodes, count)
     return buffers._replace(nodes=nodes)
 
 
@@ -65,9 +66,9 @@ class Workspace(threading.local):
         return self.buffers
 
 
-def _new_nodes(rows: int) -> ants.Nodes:
-    slots = (rows, ants.WIDTH)
-    return ants.Nodes(
+def _new_nodes(rows: int) -> Nodes:
+    slots = (rows, WIDTH)
+    return Nodes(
         cell=np.empty(rows, np.int64),
         place=np.empty(rows, np.int64),
         eta=np.empty(slots, np.float32),
@@ -81,12 +82,12 @@ def _new_nodes(rows: int) -> ants.Nodes:
         greedy=np.empty(rows, np.int32),
         state=np.empty(rows, np.uint8),
         table=np.zeros(1 << (2 * rows - 1).bit_length(), np.int32),
-        scratch=np.zeros((2, ants.WIDTH), np.float32),
+        scratch=np.zeros((2, WIDTH), np.float32),
     )
 
 
-def _new_trail(colony: int, edges: int, layers: int) -> ants.Trail:
-    return ants.Trail(
+def _new_trail(colony: int, edges: int, layers: int) -> Trail:
+    return Trail(
         row=np.empty(colony, np.int64),
         length=np.empty(colony),
         edge=np.empty(edges, np.int32),
@@ -95,6 +96,6 @@ def _new_trail(colony: int, edges: int, layers: int) -> ants.Trail:
         wide=np.empty(edges, np.float64),
         narrow=np.empty(edges, np.float32),
         weight=np.empty(edges, np.float32),
-        status=np.zeros(ants.STATUS_SIZE, np.int64),
-        levels=np.zeros(ants.LEVEL_SIZE),
+        status=np.zeros(STATUS_SIZE, np.int64),
+        levels=np.zeros(LEVEL_SIZE),
     )

@@ -1,4 +1,4 @@
-"""The colony: plans a scenario, or many at once, or one in blocks. Sole caller of the ant kernels."""
+"""The colony: plans a scenario, or many at once, or one in blocks. Sole caller of the ant layout."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import ParameterError
-from antgym.kernels import ants as kernels
+from antgym.kernels import layout
+from antgym.kernels.ants import advance, begin
+from antgym.kernels.nodes import forget_weights
 from antgym.maps.world import Scenario
 from antgym.planners.batch import Batch, Plan, cells_of, write_parameters
 from antgym.planners.buffers import new_buffers, with_more_rows
@@ -121,12 +123,12 @@ class Colony:
         self._buffers = new_buffers(
             2 * ants * scenario.layers + 2, ants, ants * scenario.layers, scenario.layers
         )
-        kernels.begin(run, self._batch.tables, *self._buffers)
+        begin(run, self._batch.tables, *self._buffers)
 
     @property
     def done(self) -> int:
         """Iterations walked so far."""
-        return int(self._buffers.trail.status[kernels.DONE])
+        return int(self._buffers.trail.status[layout.DONE])
 
     @property
     def left(self) -> int:
@@ -141,7 +143,7 @@ class Colony:
         before = (run.alpha, run.beta)
         write_parameters(self._batch.runs, check_parameters(parameters), [self._rules])
         if before != (run.alpha, run.beta) and self.done:
-            kernels.forget_weights(self._buffers.nodes, self._buffers.trail)
+            forget_weights(self._buffers.nodes, self._buffers.trail)
         until = self.done + iterations
         with np.errstate(
             over="ignore"
@@ -152,9 +154,9 @@ class Colony:
     def result(self) -> Plan:
         """Return the plan as it stands; its history covers the iterations walked."""
         trail, batch = self._buffers.trail, self._batch
-        batch.lengths[0], batch.made[0] = trail.levels[kernels.BEST], trail.status[kernels.MADE]
+        batch.lengths[0], batch.made[0] = trail.levels[layout.BEST], trail.status[layout.MADE]
         if np.isfinite(batch.lengths[0]):
-            batch.cells[:] = self._buffers.nodes.cell[trail.best_edge // kernels.WIDTH]
+            batch.cells[:] = self._buffers.nodes.cell[trail.best_edge // layout.WIDTH]
         return batch.plan(0, self.done)
 
     def pheromone(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -162,13 +164,13 @@ class Colony:
 
         Amounts are relative to the strongest edge of all.
         """
-        nodes, count = self._buffers.nodes, int(self._buffers.trail.status[kernels.ROWS])
+        nodes, count = self._buffers.nodes, int(self._buffers.trail.status[layout.ROWS])
         rows, slots = np.nonzero(nodes.child[:count] >= 0)
-        tau = nodes.tau[rows, slots] - self._buffers.trail.levels[kernels.UNVISITED]
+        tau = nodes.tau[rows, slots] - self._buffers.trail.levels[layout.UNVISITED]
         strength = np.zeros(count)
         np.maximum.at(strength, nodes.child[rows, slots], tau)
         cells = cells_of(self._scenario, nodes.cell[:count])
         return cells, strength / max(strength.max(initial=0.0), np.finfo(float).tiny)
 
     def _walk(self, run: Any, until: int) -> int:
-        return int(kernels.advance(self._batch.free, run, *self._buffers, self._batch.history, until))
+        return int(advance(self._batch.free, run, *self._buffers, self._batch.history, until))
