@@ -67,6 +67,16 @@ def legal(scenario, cell, step):
     return all(free(scenario, c) for c in cells)
 
 
+def allowed(scenario, rules, cell, step):
+    """Whether the rules let an ant make a move: legal and, with look-ahead, not into a dead end."""
+    if not legal(scenario, cell, step):
+        return False
+    end = tuple(c + s for c, s in zip(cell, step, strict=True))
+    if rules.trap == "die" or end == scenario.goal:
+        return True
+    return any(legal(scenario, end, following) for following in STEPS)
+
+
 def length_of(step, cell_size):
     x, y, z = (np.float64(edge) * s for edge, s in zip(cell_size, step, strict=True))
     return np.sqrt(x * x + y * y + z * z)
@@ -78,48 +88,64 @@ def plan(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=
     alpha, beta = F(parameters[0]), F(parameters[1])
     rho, deposit = np.float64(parameters[2]), np.float64(parameters[3]) / rules.initial_pheromone
     lengths = [length_of(step, scenario.world.cell) for step in STEPS]
-    nodes, scale, unvisited = {}, 1.0, 1.0
+    nodes, scale, unvisited, bounds, best_walk = {}, 1.0, 1.0, (0.0, np.inf), None
     out = SimpleNamespace(length=np.inf, path=[], best=[], mean=[], arrived=[], moves=0)
     with np.errstate(over="ignore"):
         for iteration in range(iterations):
-            walks = []
-            for ant in range(ants):
-                cell, walk, total = scenario.start, [], 0.0
-                while cell != scenario.goal:
+            cells, walks, totals = [scenario.start] * ants, [[] for _ in range(ants)], [0.0] * ants
+            for layer in range(scenario.layers):
+                for ant in range(ants):
+                    if len(walks[ant]) < layer:
+                        continue  # died
+                    cell = cells[ant]
                     if cell not in nodes:
                         nodes[cell] = new_node(scenario, rules, cell, unvisited)
-                        weigh(nodes[cell], alpha, beta, rules)
+                        weigh(nodes[cell], alpha, beta, rules, bounds, scale)
                     node = nodes[cell]
                     if not node.alive:
-                        break
+                        continue
                     if node.stale:
-                        weigh(node, alpha, beta, rules)
-                    counter = (iteration * scenario.layers + len(walk)) * ants + ant
+                        weigh(node, alpha, beta, rules, bounds, scale)
+                    counter = (iteration * scenario.layers + layer) * ants + ant
                     slot = choose(node, draw(seed, counter), F(rules.q0))
-                    walk.append((cell, slot))
-                    total += lengths[slot]
-                    cell = tuple(c + s for c, s in zip(cell, STEPS[slot], strict=True))
+                    if rules.local:
+                        node.tau[slot] = (1.0 - rules.local) * node.tau[slot] + rules.local / scale
+                        node.stale = True
+                    walks[ant].append((cell, slot))
+                    totals[ant] += lengths[slot]
+                    cells[ant] = tuple(c + s for c, s in zip(cell, STEPS[slot], strict=True))
                     out.moves += 1
-                walks.append((walk, total) if cell == scenario.goal else None)
-            done = [w for w in walks if w]
+            done = [(w, t) for w, t, c in zip(walks, totals, cells, strict=True) if c == scenario.goal]
             for walk, total in done:
                 if total < out.length:
-                    out.length, out.path = total, [c for c, _ in walk] + [scenario.goal]
+                    out.length, out.path, best_walk = total, [c for c, _ in walk] + [scenario.goal], walk
             out.best.append(out.length)
             out.mean.append(sum(t for _, t in done) / len(done) if done else np.inf)
             out.arrived.append(len(done))
-            scale *= rho
+            if rules.limits and np.isfinite(out.length):
+                high = deposit / (max(1.0 - rho, 1e-9) * out.length)
+                bounds = high / (2.0 * scenario.layers), high
+            if not rules.best_only:
+                scale *= rho
             if scale < 2.0**-500:
                 unvisited = max(unvisited * scale, 2.0**-1000)
                 for node in nodes.values():
                     node.tau = [max(tau * scale, 2.0**-1000) for tau in node.tau]
                     node.stale = True
                 scale = 1.0
-            for walk, total in done:
+            deposits = [
+                (walk, share * deposit / total / scale) for (walk, total), share in shares(done, rules.ranked)
+            ]
+            if rules.elite and best_walk:
+                deposits.append((best_walk, rules.elite * deposit / out.length / scale))
+            for walk, amount in deposits:
                 for cell, slot in walk:
-                    nodes[cell].tau[slot] += deposit / total / scale
-            for cell, slot in {edge for walk, _ in done for edge in walk}:
+                    receive(nodes[cell], slot, amount, rules, rho, bounds, scale)
+            for cell, slot in {edge for walk, _ in deposits for edge in walk}:
                 renew(nodes[cell], slot, alpha, beta, rules)
+            if rules.limits:
+                for node in nodes.values():
+                    node.stale = True
     return out
 
 
@@ -129,7 +155,7 @@ def new_node(scenario, rules, cell, unvisited):
     anchor = scenario.goal if rules.target == "goal" else scenario.start
     eta = []
     for step in STEPS:
-        if not legal(scenario, cell, step):
+        if not allowed(scenario, rules, cell, step):
             eta.append(None)
             continue
         dx = F(anchor[0] - cell[0] - 1) * size[0]
@@ -144,13 +170,37 @@ def new_node(scenario, rules, cell, unvisited):
     )
 
 
-def weigh(node, alpha, beta, rules):
+def shares(done, ranked):
+    """Who deposits, and with which weight: everybody, or the shortest ``ranked - 1``, the earlier ant on a tie."""
+    if ranked == 0:
+        return [(walk, 1.0) for walk in done]
+    order = sorted(range(len(done)), key=lambda i: (done[i][1], i))[: ranked - 1]
+    weights = {i: float(ranked - 1 - place) for place, i in enumerate(order)}
+    return [(done[i], weights[i]) for i in sorted(weights)]  # in the order of the ants
+
+
+def receive(node, slot, amount, rules, rho, bounds, scale):
+    """One deposit on one edge."""
+    if rules.best_only:
+        node.tau[slot] = rho * node.tau[slot] + (1.0 - rho) * amount
+        node.stale = True
+    elif rules.limits:
+        kept = max(node.tau[slot] * scale, bounds[0])
+        node.tau[slot] = min(kept + amount * scale, bounds[1]) / scale
+    else:
+        node.tau[slot] += amount
+
+
+def weigh(node, alpha, beta, rules, bounds, scale):
     """All weights of a node anew, relative to its largest exponent."""
     node.stale = False
     open_slots = [k for k in range(25) if node.eta[k] is not None]
     if not open_slots:
         return
-    taus = {k: log2_wide(node.tau[k]) for k in open_slots}
+    tau = node.tau
+    if rules.limits:
+        tau = [max(min(max(t * scale, bounds[0]), bounds[1]), 2.0**-1000) for t in tau]
+    taus = {k: log2_wide(tau[k]) for k in open_slots}
     exponents = {k: alpha * taus[k] + beta * node.eta[k] for k in open_slots}
     node.peak = max(exponents.values())
     for k in open_slots:

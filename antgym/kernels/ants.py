@@ -23,6 +23,8 @@ from antgym.kernels.layout import (
     DEAD_END,
     DONE,
     FOLD_BELOW,
+    HIGH,
+    LOW,
     MADE,
     ROWS,
     SCALE,
@@ -31,10 +33,11 @@ from antgym.kernels.layout import (
     History,
 )
 from antgym.kernels.nodes import node, pick, refresh
-from antgym.kernels.pheromone import deposit, fold
+from antgym.kernels.pheromone import deposit, fold, put_back
 from antgym.kernels.rng import draw, high_uniform, low_uniform
 
 _F = np.float32
+NEVER_FADES = 1e-9  # least evaporation that the limits are computed with
 
 
 @kernel
@@ -84,6 +87,8 @@ def begin(run, tables, moves, nodes, trail):
     trail.levels[SCALE] = 1.0
     trail.levels[UNVISITED] = 1.0
     trail.levels[BEST] = np.inf
+    trail.levels[LOW] = 0.0
+    trail.levels[HIGH] = np.inf
     table = tables[run.table]
     for k in range(table.shape[1]):
         for part in range(3):
@@ -113,9 +118,10 @@ def advance(free, run, moves, nodes, trail, history, until):
             node(free, run, moves, nodes, trail, start)
         _walk(free, run, moves, nodes, trail)
         _remember(run, trail, history)
-        levels[SCALE] *= run.rho
-        if levels[SCALE] < FOLD_BELOW:
-            fold(nodes, trail)
+        if not run.best_only:
+            levels[SCALE] *= run.rho
+            if levels[SCALE] < FOLD_BELOW:
+                fold(nodes, trail)
         deposit(run, nodes, trail)
         status[DONE] += 1
     return status[DONE]
@@ -139,7 +145,7 @@ def _walk(free, run, moves, nodes, trail):
                 if nodes.state[row] == DEAD_END:
                     trail.row[a] = -1
                     continue
-                refresh(run, nodes, row)
+                refresh(run, nodes, trail, row)
             bits = draw(key, first + np.uint64(layer * ants + a))
             is_greedy = low_uniform(bits) < q0
             slot = np.int64(nodes.greedy[row]) if is_greedy else pick(nodes.sums, row, high_uniform(bits))
@@ -147,6 +153,8 @@ def _walk(free, run, moves, nodes, trail):
             if child < 0:
                 child = node(free, run, moves, nodes, trail, nodes.cell[row] + moves.crossed[2, slot])
                 nodes.child[row, slot] = child
+            if run.local > 0.0:
+                put_back(run, nodes, trail, row, slot)
             trail.edge[layer * ants + a] = row * WIDTH + slot
             trail.length[a] += moves.length[slot]
             trail.row[a] = child
@@ -168,6 +176,9 @@ def _remember(run, trail, history):
             levels[BEST] = trail.length[a]
             for layer in range(run.layers):
                 trail.best_edge[layer] = trail.edge[layer * run.ants + a]
+    if run.limits and levels[BEST] < np.inf:  # Stützle & Hoos 2000, (11), and a fixed ratio
+        levels[HIGH] = run.deposit / (max(1.0 - run.rho, NEVER_FADES) * levels[BEST])
+        levels[LOW] = levels[HIGH] / (2.0 * run.layers)
     history.best[done] = levels[BEST]
     history.mean[done] = total / arrived if arrived > 0 else np.inf
     history.arrived[done] = arrived

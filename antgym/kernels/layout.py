@@ -13,7 +13,7 @@ FOLD_BELOW, FLOOR = 2.0**-500, 2.0**-1000  # of the global scale, and of any phe
 
 # slots of Trail.status and Trail.levels
 ROWS, DONE, MADE, STATUS_SIZE = 0, 1, 2, 3
-SCALE, UNVISITED, BEST, LEVEL_SIZE = 0, 1, 2, 3
+SCALE, UNVISITED, BEST, LOW, HIGH, LEVEL_SIZE = 0, 1, 2, 3, 4, 5
 
 RUN = np.dtype(
     [
@@ -44,6 +44,16 @@ RUN = np.dtype(
         ("beta", np.float32),
         ("rho", np.float64),
         ("deposit", np.float64),  # Q / initial pheromone
+        # every ant that arrived deposits (ranked = 0), or the best ranked - 1 do, weighted ranked - 1 down to 1
+        ("ranked", np.int64),
+        ("elite", np.float64),  # weight of the deposit on the best path so far
+        (
+            "local",
+            np.float64,
+        ),  # share of an edge's pheromone that a passing ant puts back to its initial value
+        ("limits", np.bool_),  # MAX-MIN
+        ("best_only", np.bool_),  # pheromone fades and grows on the best path alone
+        ("lookahead", np.bool_),  # a move into a dead end is no move
         ("to_goal", np.bool_),  # the anchor is the goal, not the start
         ("plain", np.bool_),  # the greedy move ignores alpha and beta
     ],
@@ -89,12 +99,13 @@ class Trail(NamedTuple):
 
     row: np.ndarray  # (ants,) int64, -1 = died
     length: np.ndarray  # (ants,) float64
+    share: np.ndarray  # (ants,) float64 weight of an ant's deposit, then the deposit
     edge: np.ndarray  # (layers · ants,) int32: row · 32 + slot
     best_edge: np.ndarray  # (layers,) int32
-    due: np.ndarray  # (layers · ants,) int32 edges that wait for a new power
-    wide: np.ndarray  # (layers · ants,) float64 their pheromone
-    narrow: np.ndarray  # (layers · ants,) float32 its logarithm
-    weight: np.ndarray  # (layers · ants,) float32 their power
+    due: np.ndarray  # (layers · (ants + 1),) int32 edges that wait for a new power
+    wide: np.ndarray  # (layers · (ants + 1),) float64 their pheromone
+    narrow: np.ndarray  # (layers · (ants + 1),) float32 its logarithm
+    weight: np.ndarray  # (layers · (ants + 1),) float32 their power
     status: np.ndarray  # (STATUS_SIZE,) int64
     levels: np.ndarray  # (LEVEL_SIZE,) float64
 

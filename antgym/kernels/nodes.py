@@ -8,9 +8,13 @@ from antgym.kernels.layout import (
     BLOCKED,
     CLEAN,
     DEAD_END,
+    FLOOR,
+    HIGH,
     LANES,
+    LOW,
     ROW_STALE,
     ROWS,
+    SCALE,
     SUMS_STALE,
     UNVISITED,
     WIDTH,
@@ -41,7 +45,7 @@ def node(free, run, moves, nodes, trail, cell):
         nodes.child[row, k] = -1
     nodes.state[row] = DEAD_END
     if sense(free, run, moves, nodes.eta, row, cell):
-        nodes.scratch[0] = log2_wide(unvisited)
+        nodes.scratch[0] = log2_wide(within(trail.levels, unvisited) if run.limits else unvisited)
         weigh(run, nodes, row)
         nodes.state[row] = SUMS_STALE
     return row
@@ -71,12 +75,13 @@ def sense(free, run, moves, eta, row, cell):
     x, rest = divmod(cell - run.origin, run.stride_x)
     y, z = divmod(rest, run.stride_y)
     left = run.layers - (x - run.start_x) - 1
-    slack, found = run.reach * left, False
+    found = False
     for k in range(WIDTH):
-        legal = abs(run.goal_y - y - moves.dy[k]) <= slack and abs(run.goal_z - z - moves.dz[k]) <= slack
-        if legal:
-            for part in range(3):
-                legal = legal and free[cell + moves.crossed[part, k]] != 0
+        legal = is_legal(free, run, moves, cell, y, z, left, k)
+        if legal and run.lookahead and left > 0:
+            legal = leads_on(
+                free, run, moves, cell + moves.crossed[2, k], y + moves.dy[k], z + moves.dz[k], left - 1
+            )
         eta[row, k] = _ZERO if legal else BLOCKED
         found = found or legal
     if run.to_goal:
@@ -91,6 +96,26 @@ def sense(free, run, moves, eta, row, cell):
         span = step_share * moves.step[k] + distance_share * distance
         value = -(w1 * log2(span)) - w2 * moves.level[k]
         eta[row, k] = value if eta[row, k] > BLOCKED else BLOCKED
+    return found
+
+
+@inlined
+def is_legal(free, run, moves, cell, y, z, left, k):
+    """Whether move k is one: the goal stays within reach of its end, and what it crosses is free."""
+    slack = run.reach * left
+    legal = abs(run.goal_y - y - moves.dy[k]) <= slack and abs(run.goal_z - z - moves.dz[k]) <= slack
+    if legal:
+        for part in range(3):
+            legal = legal and free[cell + moves.crossed[part, k]] != 0
+    return legal
+
+
+@kernel
+def leads_on(free, run, moves, cell, y, z, left):
+    """Whether any move leads on from a cell."""
+    found = False
+    for k in range(WIDTH):
+        found = found or is_legal(free, run, moves, cell, y, z, left, k)
     return found
 
 
@@ -120,11 +145,21 @@ def weigh(run, nodes, row):
 
 
 @inlined
-def refresh(run, nodes, row):
+def within(levels, tau):
+    """Return an edge's pheromone, scale included, within the limits of MAX-MIN."""
+    return max(min(max(tau * levels[SCALE], levels[LOW]), levels[HIGH]), FLOOR)
+
+
+@inlined
+def refresh(run, nodes, trail, row):
     """Make a row's weights and sums current."""
     if nodes.state[row] == ROW_STALE:
-        for k in range(WIDTH):
-            nodes.scratch[0, k] = log2_wide(nodes.tau[row, k])
+        if run.limits:
+            for k in range(WIDTH):
+                nodes.scratch[0, k] = log2_wide(within(trail.levels, nodes.tau[row, k]))
+        else:
+            for k in range(WIDTH):
+                nodes.scratch[0, k] = log2_wide(nodes.tau[row, k])
         weigh(run, nodes, row)
     add_up(nodes.weight, nodes.sums, row)
     nodes.state[row] = CLEAN

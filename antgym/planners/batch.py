@@ -207,7 +207,8 @@ def _write_rules(runs: Any, rules: list[Rules]) -> None:
     runs["distance_share"] = [rule.target != "current" for rule in rules]
     runs["to_goal"] = [rule.target == "goal" for rule in rules]
     runs["plain"] = [rule.greedy == "plain" for rule in rules]
-    for name in ("w1", "w2", "q0"):
+    runs["lookahead"] = [rule.trap == "lookahead" for rule in rules]
+    for name in ("w1", "w2", "q0", "ranked", "elite", "local", "limits", "best_only"):
         runs[name] = [getattr(rule, name) for rule in rules]
 
 

@@ -90,12 +90,13 @@ def _new_trail(colony: int, edges: int, layers: int) -> Trail:
     return Trail(
         row=np.empty(colony, np.int64),
         length=np.empty(colony),
+        share=np.empty(colony),
         edge=np.empty(edges, np.int32),
         best_edge=np.empty(layers, np.int32),
-        due=np.empty(edges, np.int32),
-        wide=np.empty(edges, np.float64),
-        narrow=np.empty(edges, np.float32),
-        weight=np.empty(edges, np.float32),
+        due=np.empty(edges + layers, np.int32),
+        wide=np.empty(edges + layers, np.float64),
+        narrow=np.empty(edges + layers, np.float32),
+        weight=np.empty(edges + layers, np.float32),
         status=np.zeros(STATUS_SIZE, np.int64),
         levels=np.zeros(LEVEL_SIZE),
     )

@@ -21,7 +21,13 @@ from antgym.maps.world import GridWorld, Scenario
 from antgym.planners.colony import Colony, plan, plan_many
 from antgym.planners.rules import PAPERS, Rules
 
-RULES = [*PAPERS.values(), Rules(w1=1, w2=0, q0=0.0), Rules(target="current", w1=2, w2=1, q0=0.5)]
+RULES = [
+    *PAPERS.values(),
+    Rules(target="current", w1=2, w2=1, q0=0.5),
+    Rules(trap="lookahead", w1=1, w2=0),
+    PAPERS["max_min"]._replace(q0=0.3, elite=2.0, ranked=1),
+    PAPERS["ant_colony_system"]._replace(trap="lookahead", greedy="plain"),
+]
 PARAMETERS = st.tuples(
     st.floats(0.0, 5.0), st.floats(0.0, 10.0), st.floats(0.01, 1.0), st.floats(-6, 6).map(lambda e: 10.0**e)
 )
@@ -37,7 +43,7 @@ def assert_twins(scenario, parameters, **settings):
     assert fast.moves == slow.moves
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 2**64 - 1),
     parameters=PARAMETERS,
@@ -255,6 +261,9 @@ def test_the_optimum_is_what_enumeration_finds(seed):
         ({"rules": "liu2021"}, "did you mean 'liu2020'"),
         ({"rules": Rules(target="gaol")}, "gaol"),
         ({"rules": Rules(q0=2.0)}, "q0 = 2"),
+        ({"rules": Rules(trap="dye")}, "did you mean 'die'"),
+        ({"rules": Rules(ranked=-1)}, "ranked = -1"),
+        ({"rules": Rules(limits=True, best_only=True)}, "exclude each other"),
         ({"ants": 0}, "ants = 0"),
         ({"iterations": 2.5}, "iterations = 2.5"),
         ({"seed": -1}, "seed = -1"),
@@ -278,3 +287,58 @@ def test_kernels_compile_once():
     )
     for compiled in (ants.plan_range, ants.begin, ants.advance, paths.layered_distances):
         assert len(compiled.signatures) <= 1
+
+
+EASY = {
+    "liu2020-paper": (1.0, 0.02, 0.97, 100.0)
+}  # as printed it pulls to the start: only pheromone finds the goal
+
+
+@pytest.mark.parametrize("name", PAPERS)
+def test_every_rule_comes_within_a_hundredth_of_the_optimum_given_effort(valley, name):
+    parameters = EASY.get(name, (1.0, 4.0 / PAPERS[name].w1, 0.95, 10.0))  # a small Q locks nothing in
+    found = plan(valley, parameters, rules=name, ants=100, iterations=300)
+    assert valley.optimum <= found.length <= 1.01 * valley.optimum
+
+
+@pytest.mark.parametrize("name", PAPERS)
+def test_no_rule_is_ever_shorter_than_the_optimum(name):
+    scenarios = [random_scenario(seed, size=8, blocked=0.35) for seed in range(100)]
+    plans = plan_many(
+        scenarios, [(1.0, 1.0, 0.9, 50.0)] * 100, rules=name, ants=5, iterations=8, seeds=range(100)
+    )
+    solved = np.flatnonzero(np.isfinite(plans.lengths))
+    assert len(solved) > 50
+    assert all(plans.lengths[i] >= scenarios[i].optimum for i in solved)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"elitist": {"elite": 0.0}},
+        {"rank_based": {"elite": 0.0, "ranked": 0}},
+        {"max_min": {"limits": False, "ranked": 0}},
+        {"ant_colony_system": {"q0": 0.0, "local": 0.0, "best_only": False, "elite": 0.0, "ranked": 0}},
+    ],
+    ids=lambda changes: next(iter(changes)),
+)
+def test_a_rule_without_its_own_idea_is_the_ant_system(changes):
+    (name, fields), scenario = next(iter(changes.items())), random_scenario(4, size=8, blocked=0.2)
+    settings = {"ants": 8, "iterations": 25, "seed": 3}
+    plain = plan(scenario, (1, 4, 0.8, 40), rules="ant_system", **settings)
+    bare = plan(scenario, (1, 4, 0.8, 40), rules=PAPERS[name]._replace(**fields), **settings)
+    whole = plan(scenario, (1, 4, 0.8, 40), rules=name, **settings)
+    assert bare.mean.tolist() == plain.mean.tolist()
+    assert whole.mean.tolist() != plain.mean.tolist()
+
+
+def test_looking_ahead_loses_fewer_ants():
+    scenarios = [random_scenario(seed, size=9, blocked=0.45) for seed in range(30)]
+    arrived = {}
+    for trap in ("die", "lookahead"):
+        rules = PAPERS["ant_system"]._replace(trap=trap)
+        plans = plan_many(
+            scenarios, [(1, 2, 0.9, 50)] * 30, rules=rules, ants=20, iterations=5, seeds=range(30)
+        )
+        arrived[trap] = sum(int(plans.plan(i).arrived.sum()) for i in range(30))
+    assert arrived["lookahead"] > 1.2 * arrived["die"]
