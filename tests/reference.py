@@ -248,57 +248,89 @@ def prefix_sums(weight):
     return sums
 
 
-def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=0):
-    """Shortest length of the colony as printed: (1)-(3) and (5)-(8), float64, a full evaporation sweep."""
-    rules, (alpha, beta, rho, q) = find_rules(rules), parameters
-    rng, tau, cache, best = np.random.default_rng(seed), {}, {}, np.inf
-    anchor = np.array(scenario.goal if rules.target == "goal" else scenario.start)
-    size = np.array(scenario.world.cell)
+class Textbook:
+    """The colony as printed, float64: all pheromone in a dictionary, all of it swept, powers with ``**`` in logs."""
 
-    def options(cell):
-        if cell not in cache:
-            steps = [s for s in STEPS if legal(scenario, cell, s)]
+    def __init__(self, scenario, parameters, rules):
+        self.scenario, self.rules = scenario, find_rules(rules)
+        self.alpha, self.beta, self.rho, q = parameters
+        self.q, self.tau, self.options = q / self.rules.initial_pheromone, {}, {}
+        self.unseen, self.limits, self.best, self.best_edges = 1.0, (0.0, np.inf), np.inf, []
+
+    def moves(self, cell):
+        """Ends, lengths and log η of the moves from a cell."""
+        if cell not in self.options:
+            rules, size = self.rules, np.array(self.scenario.world.cell)
+            steps = [s for s in STEPS if allowed(self.scenario, rules, cell, s)]
             ends = [tuple(c + d for c, d in zip(cell, s, strict=True)) for s in steps]
+            anchor = np.array(self.scenario.goal if rules.target == "goal" else self.scenario.start)
             lengths = np.array([np.linalg.norm(np.array(s) * size) for s in steps])
             far = np.array([np.linalg.norm((anchor - np.array(e)) * size) for e in ends])
             span = {"goal": lengths + far, "start": far, "current": lengths}[rules.target]
             flat = np.array([1.0 / (abs(s[2]) + 1) for s in steps])
-            cache[cell] = (
-                ends,
-                lengths,
-                np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2 if steps else None,
-            )
-        return cache[cell]
+            eta = np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2 if steps else None
+            self.options[cell] = ends, lengths, eta
+        return self.options[cell]
 
-    for _ in range(iterations):
-        done = []
-        for _ in range(ants):
-            cell, edges, total = scenario.start, [], 0.0
-            while cell != scenario.goal and options(cell)[0]:
-                ends, lengths, log_eta = options(cell)
-                taus = np.array([tau.get((cell, end), rules.initial_pheromone) for end in ends])
-                logits = alpha * np.log(taus) + beta * log_eta
-                p = np.exp(logits - logits.max())
-                if rng.random() < rules.q0:
-                    k = int(np.argmax(np.log(taus) + log_eta if rules.greedy == "plain" else logits))
-                else:
-                    k = rng.choice(len(ends), p=p / p.sum())
-                edges.append((cell, ends[k]))
-                total += lengths[k]
-                cell = ends[k]
-            if cell == scenario.goal:
-                done.append((edges, total))
-        visited = set(tau) | {edge for edges, _ in done for edge in edges}
-        all_edges = {(c, e) for c in {c for c, _ in visited} for e in options(c)[0]}
-        tau = {edge: rho * tau.get(edge, rules.initial_pheromone) for edge in all_edges}
-        rules = rules._replace(
-            initial_pheromone=rho * rules.initial_pheromone
-        )  # edges nobody has seen evaporate too
+    def step(self, cell, rng):
+        """The end and the length of one ant's next move."""
+        ends, lengths, eta = self.moves(cell)
+        tau = np.array([self.tau.get((cell, end), self.unseen) for end in ends])
+        logits = self.alpha * np.log(tau) + self.beta * eta
+        if rng.random() < self.rules.q0:
+            k = int(np.argmax(np.log(tau) + eta if self.rules.greedy == "plain" else logits))
+        else:
+            p = np.exp(logits - logits.max())
+            sums = p.cumsum()
+            k = int(np.searchsorted(sums, rng.random() * sums[-1], side="right"))
+        if self.rules.local:
+            self.tau[cell, ends[k]] = (1 - self.rules.local) * tau[k] + self.rules.local
+        return ends[k], lengths[k]
+
+    def walk(self, ants, rng):
+        """[(edges, length)] of the ants that arrive; all take their first move, then all their second."""
+        cells, edges, totals = [self.scenario.start] * ants, [[] for _ in range(ants)], [0.0] * ants
+        for _ in range(self.scenario.layers):
+            for ant, cell in enumerate(cells):
+                if cell is not None:
+                    cells[ant] = None
+                    if self.moves(cell)[0]:
+                        cells[ant], length = self.step(cell, rng)
+                        edges[ant].append((cell, cells[ant]))
+                        totals[ant] += length
+        return [(e, t) for e, t, cell in zip(edges, totals, cells, strict=True) if cell is not None]
+
+    def update(self, done):
+        """Evaporation, deposits, limits."""
+        rules = self.rules
         for edges, total in done:
-            best = min(best, total)
+            if total < self.best:
+                self.best, self.best_edges = total, edges
+        deposits = [(edges, share * self.q / total) for (edges, total), share in shares(done, rules.ranked)]
+        deposits += [(self.best_edges, rules.elite * self.q / self.best)]
+        if rules.best_only:
+            for edges, amount in deposits:
+                for edge in edges:
+                    self.tau[edge] = self.rho * self.tau.get(edge, self.unseen) + (1 - self.rho) * amount
+            return
+        if rules.limits and self.best_edges:
+            high = self.q / ((1 - self.rho) * self.best)
+            self.limits = high / (2 * self.scenario.layers), high
+        keep = lambda tau: np.clip(tau, *self.limits)  # noqa: E731
+        old = self.unseen
+        self.unseen = keep(self.rho * self.unseen)
+        self.tau = {edge: keep(self.rho * tau) for edge, tau in self.tau.items()}
+        for edges, amount in deposits:
             for edge in edges:
-                tau[edge] += q / total
-    return best
+                self.tau[edge] = keep(self.tau.get(edge, keep(self.rho * old)) + amount)
+
+
+def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=0):
+    """Shortest length that the textbook colony finds, inf where no ant arrives."""
+    colony, rng = Textbook(scenario, parameters, rules), np.random.default_rng(seed)
+    for _ in range(iterations):
+        colony.update(colony.walk(ants, rng))
+    return colony.best
 
 
 def shortest(scenario):
