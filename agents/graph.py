@@ -15,7 +15,7 @@ from agents.controls import RandomSearch
 from agents.judgement import cap_failures
 from agents.laplacian import regrets, sound_weights
 from antgym.errors import BudgetError, ParameterError
-from antgym.tuning import Agent, Session
+from antgym.tuning import Agent, ParameterSpace, Session
 
 Floats = NDArray[np.float64]
 DEFAULT_TAU, DEFAULT_GAMMA = 0.02, 0.1
@@ -227,17 +227,21 @@ def _choose_scales(graph: TransferGraph, sessions: Sequence[Session], repeats: i
     grid = list(product(TAUS, GAMMAS))
     losses = np.empty((len(sessions), len(grid)))
     for left_out, session in enumerate(sessions):
-        predictions = np.array([_predict_left_out(graph, left_out, *scales) for scales in grid])
+        space = session.task.space
+        predictions = np.array([_predict_left_out(graph, space, left_out, *scales) for scales in grid])
         losses[left_out] = regrets(cap_failures(_run(session, predictions, repeats)).mean(axis=1))
     gains = losses[:, :1] - losses
     clear = gains.mean(axis=0) > gains.std(axis=0, ddof=1) / len(sessions) ** 0.5
     return grid[int(np.argmax(np.where(clear, gains.mean(axis=0), 0.0)))]
 
 
-def _predict_left_out(graph: TransferGraph, left_out: int, tau: float, gamma: float) -> Floats:
+def _predict_left_out(
+    graph: TransferGraph, space: ParameterSpace, left_out: int, tau: float, gamma: float
+) -> Floats:
     others = np.delete(np.arange(len(graph.names)), left_out)
     costs = graph.judged[others]
-    return sound_weights(costs[:, others], costs[:, left_out], tau, gamma) @ graph.settings[others]
+    weights = sound_weights(costs[:, others], costs[:, left_out], tau, gamma)
+    return space.mean(graph.settings[others], weights)
 
 
 def _array(values: Any, label: str) -> Floats:

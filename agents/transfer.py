@@ -39,7 +39,7 @@ class TransferAgent:
     """Transfer parameters from source tasks to a target.
 
     * ``"sound"``: runs the sets that are best on some source map (with six trials a source or more: all sets),
-      weighs them (:func:`sound_weights`) and averages settings in the unit cube, that is α, β, κ on a log and
+      weighs them (:func:`sound_weights`) and averages them on each parameter's own scale, α, β, κ on a log and
       ρ on a logit scale; then runs the blend, the best source and the published default afresh, as often as
       the rest of the budget allows, and keeps the winner.
     * ``"paper"``, ``"abs"``: runs every source's set and one random set, the reference of (11), and solves
@@ -154,7 +154,8 @@ class TransferAgent:
 
     def _judge(self) -> tuple[Floats, tuple[str, ...]]:
         if self.mode == "mean":
-            return self.graph.settings.mean(axis=0), ()
+            n = len(self.graph.names)
+            return self._task.space.mean(self.graph.settings, np.full(n, 1 / n)), ()
         if self.mode == "copy" or not self._measured():
             return self._settings[self._best_source()].copy(), ()
         if self.mode == "sound":
@@ -182,7 +183,7 @@ class TransferAgent:
         target = np.full(len(self.graph.names), np.nan)
         target[measured] = self._means(measured)
         weights = sound_weights(self.graph.judged, target, self.tau, self.gamma)
-        return np.clip(weights @ self.graph.settings, 0.0, 1.0)
+        return self._task.space.mean(self.graph.settings, weights)
 
     def _guarded(self) -> Floats:
         """Return the winner of the guard's fresh runs; the blend where there were none."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.console import Console
 
+import agents
 from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, Outcome
@@ -34,7 +35,7 @@ def show(
     rows = [_row(entrant, ledger, items, preset, seconds) for entrant in contest]
     board = Board(
         title="Real terrain",
-        command=f"python -m experiments.leaderboard --preset {config['preset']}",
+        command=f"python -m experiments.leaderboard --preset {config['preset']} --agents {' '.join(config['agents'])}",
         rows=(*rows, _exact(items, preset)),
         scenarios=tuple(item.name for item in items),
         budget=preset.budget,
@@ -82,7 +83,7 @@ def _row(
         tuner_seconds=float(np.mean([clock.get("tuner", 0.0) for clock in clocks])),
         planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in clocks])),
         optimism=float(np.mean(optimism)) if optimism else None,
-        card={},
+        card={"training trials": entrant.training, "versions": agents.versions(entrant.name)},
     )
 
 
@@ -97,7 +98,7 @@ def _exact(items: Sequence[SuiteItem], preset: Preset) -> Row:
 
 
 def _seconds(path: Path) -> dict[str, dict[str, float]]:
-    """Return the seconds of every run, summed over the sessions it took."""
+    """Return the seconds of every run, as far as sessions came to its end: a killed one leaves none."""
     total: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
         fields: dict[str, Any] = json.loads(line)

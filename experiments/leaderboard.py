@@ -6,18 +6,22 @@ The ledger in the folder is the result: the table and the page are computed from
 killed, goes on where it was when the same command is given again.
 """
 
+import hashlib
 import os
 import platform
 import subprocess
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import tyro
 
 import agents
+from antgym.errors import LedgerError, ParameterError
+from antgym.kernels import sources_hash
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.planners.threads import thread_count
 from antgym.tuning.agent import Agent, tune
@@ -125,12 +129,17 @@ def play(job: Job, run: LedgerRun, preset: Preset) -> None:
     watch = Stopwatch(job.entrant.agent)
     begun = time.perf_counter()
     seed = derived_seed(job.entrant.name, job.item.scenario.digest, job.seed)
-    unit, _ = tune(watch, Session(task, preset.budget, run), seed=seed)
+    unit, trials = tune(watch, Session(task, preset.budget, run), seed=seed)
+    if len(trials) < len(run.records):
+        raise LedgerError(
+            f"{job.key}: the ledger holds {len(run.records)} trials, now it stops at {len(trials)}"
+        )
     tuned = time.perf_counter()
     fresh = task.fresh(unit, preset.fresh)
-    run.time(tuner=watch.seconds, planner=tuned - begun - watch.seconds, judging=time.perf_counter() - tuned)
+    seconds = {"tuner": watch.seconds, "planner": tuned - begun - watch.seconds}
     gaps = task.gap(fresh.lengths)
     run.finish(Outcome(tuple(unit.tolist()), tuple(fresh.lengths.tolist()), tuple(gaps.tolist())))
+    run.time(**seconds, judging=time.perf_counter() - tuned)
 
 
 def jobs(contest: Sequence[Entrant], items: Sequence[SuiteItem], seeds: int) -> Iterator[Job]:
@@ -146,9 +155,14 @@ def run_board(arguments: Arguments) -> Path:
     preset = PRESETS[arguments.preset]
     for name in arguments.agents:
         agents.find_card(name)
+    if len({*arguments.agents, STATIC}) <= len(arguments.agents):
+        raise ParameterError(
+            f"--agents {' '.join(arguments.agents)}: name each once; {STATIC} is always there"
+        )
     suite = load_suite(SUITE, SPLIT)
     items = suite[: preset.scenarios]
     config = {
+        "kernels": sources_hash(),
         "preset": arguments.preset,
         **preset._asdict(),
         "suite": SUITE,
@@ -159,6 +173,7 @@ def run_board(arguments: Arguments) -> Path:
     with Ledger(arguments.out, config, _versions(arguments.agents), _facts()) as ledger:
         trained = arguments.out / "trained"
         spent = prepare(trained, SUITE, preset, (*arguments.agents, STATIC))
+        ledger.pin({path.name: _digest(path) for path in sorted(trained.iterdir())})
         contest = entrants(arguments.agents, trained, spent)
         todo = [job for job in jobs(contest, items, preset.seeds) if ledger.run(job.key).outcome is None]
         with progress(
@@ -174,12 +189,16 @@ def run_board(arguments: Arguments) -> Path:
 
 def _versions(names: Sequence[str]) -> dict[str, str]:
     import antgym
-    from antgym.kernels import sources_hash
 
     found = {"antgym": antgym.__version__, "kernels": sources_hash(), "python": platform.python_version()}
+    found.update({name: version(name) for name in ("gymnasium", "matplotlib", "numba", "scipy")})
     for name in names:
         found.update(agents.versions(name))
     return found
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
 
 
 def _facts() -> dict[str, Any]:

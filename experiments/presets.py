@@ -6,7 +6,7 @@ from typing import NamedTuple
 class Preset(NamedTuple):
     """Sizes of one leaderboard run; all of them are part of its ledger's config."""
 
-    scenarios: int  # of the ood split, real terrain that does not overlap up to 16
+    scenarios: int  # of the ood split; beyond 16 they are the same windows turned, no maps of their own
     seeds: int  # tuner seeds per scenario
     budget: int  # trials per scenario and seed
     fresh: int  # uncharged runs that judge a recommendation
@@ -20,5 +20,5 @@ class Preset(NamedTuple):
 PRESETS = {
     "smoke": Preset(2, 1, 12, 4, 512, 3, 8, 8, 8),
     "quick": Preset(12, 3, 100, 16, 64_000, 8, 64, 200, 64),
-    "full": Preset(64, 10, 100, 16, 200_000, 16, 200, 200, 256),
+    "full": Preset(16, 20, 100, 16, 200_000, 16, 200, 200, 256),
 }

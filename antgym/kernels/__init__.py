@@ -28,10 +28,18 @@ def sources_hash() -> str:
 _OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False}
 
 
-def _cache_folder() -> str:
-    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "antgym"
-    root = Path(os.environ.get("NUMBA_CACHE_DIR", default))
-    return str(root / f"kernels-{sources_hash()}")
+def _cache_folder() -> str | None:
+    """Return the folder of the compiled kernels, None where it cannot be written.
+
+    Numba would then fall back to a folder beside the sources, which no hash protects: better to compile anew.
+    """
+    default = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "antgym"
+    folder = Path(os.environ.get("NUMBA_CACHE_DIR") or default) / f"kernels-{sources_hash()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return str(folder) if os.access(folder, os.W_OK) else None
 
 
 _CACHE_FOLDER = _cache_folder()
@@ -43,6 +51,8 @@ def kernel(function: _Function) -> _Function:
     Numba reads its cache folder from a global setting when a function is decorated; it is put back at once, so
     that the user's own functions are cached where they always were.
     """
+    if _CACHE_FOLDER is None:
+        return numba.njit(function, **_OPTIONS)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CACHE_FOLDER
     try:

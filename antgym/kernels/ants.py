@@ -112,7 +112,10 @@ def advance(free, run, moves, nodes, trail, history, until):
         The number of iterations done in total; less than ``until`` asks for more rows.
     """
     status, levels = trail.status, trail.levels
-    while status[DONE] < until and status[ROWS] + run.ants * run.layers + 1 <= nodes.cell.shape[0]:
+    cells = (run.layers + 1) * run.stride_x  # no more nodes than these can ever be visited
+    while (
+        status[DONE] < until and min(status[ROWS] + run.ants * run.layers + 1, cells) <= nodes.cell.shape[0]
+    ):
         if status[ROWS] == 0:
             start = run.origin + run.start_x * run.stride_x + run.start_y * run.stride_y + run.start_z
             node(free, run, moves, nodes, trail, start)

@@ -175,8 +175,10 @@ def _read_ascii(path: Path) -> HeightField:
         # GDAL writes dx and dy where they differ
         dx, dy = (_positive(header, name if name in header else "cellsize", path) for name in ("dx", "dy"))
         picture = _read_rows(rows, shape, path)
-    if "nodata_value" in header:
-        picture[picture == _number(header["nodata_value"], f"{path}: NODATA_value")] = np.nan
+    missing = _number(
+        header.get("nodata_value", "-9999"), f"{path}: NODATA_value"
+    )  # the format's own default
+    picture[picture == missing] = np.nan
     return HeightField(_north_up(picture), (dx, dy), str(path))
 
 

@@ -17,6 +17,7 @@ from antgym.planners.parameters import check_parameters
 from antgym.planners.rules import Rules, find_rules
 
 _WORKSPACE = Workspace()
+MOST_EFFORT = 1_000_000  # ants, or iterations
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,21 +150,21 @@ def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[
 
 def _effort(name: str, values: int | Sequence[int], count: int) -> NDArray[np.int64]:
     array = np.asarray(values)
-    if array.size and (array.dtype.kind not in "iu" or (array < 1).any() or (array > 1_000_000).any()):
-        raise ParameterError(f"{name} = {values}: whole numbers from 1 to 1,000,000 are needed")
+    if array.size and (array.dtype.kind not in "iu" or (array < 1).any() or (array > MOST_EFFORT).any()):
+        raise ParameterError(f"{name} = {values}: whole numbers from 1 to {MOST_EFFORT:,} are needed")
     if array.ndim and len(array) != count:
         raise ParameterError(f"{len(array)} values of {name} for {count} scenarios; give one, or one each")
     return np.broadcast_to(array, (count,)).astype(np.int64)
 
 
 def _keys(seeds: ArrayLike, count: int) -> NDArray[np.uint64]:
-    values = [int(seed) for seed in np.asarray(seeds, dtype=object).ravel()]
+    values = np.asarray(seeds, dtype=object).ravel()
     if len(values) != count:
         raise ParameterError(f"{len(values)} seeds for {count} scenarios")
     for seed in values:
-        if not 0 <= seed < 1 << 64:
-            raise ParameterError(f"seed = {seed}: must lie in [0, 2^64)")
-    return np.array(values, dtype=np.uint64)
+        if not isinstance(seed, int | np.integer) or not 0 <= seed < 1 << 64:
+            raise ParameterError(f"seed = {seed!r}: must be a whole number in [0, 2^64)")
+    return values.astype(np.uint64)
 
 
 def _pack(worlds: list[GridWorld]) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:

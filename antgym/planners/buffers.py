@@ -5,10 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from antgym.errors import ParameterError
 from antgym.kernels.layout import LEVEL_SIZE, ROWS, STATUS_SIZE, WIDTH, Moves, Nodes, Trail
 from antgym.kernels.nodes import rehash
 
 _FIRST_ROWS = 2048
+MOST_ROWS = 1 << 26  # an edge is row · 32 + slot in an int32
 _FAR = 1 << 40  # a padded slot moves out of every reach
 
 
@@ -20,8 +22,8 @@ class Buffers(NamedTuple):
     trail: Trail
 
 
-def new_buffers(rows: int, colony: int, edges: int, layers: int) -> Buffers:
-    """Return empty buffers for ``rows`` visited nodes, a colony of ants, and edges = layers · ants."""
+def new_buffers(colony: int, edges: int, layers: int) -> Buffers:
+    """Return empty buffers for a colony of ants and edges = layers · ants; rows come as nodes are visited."""
     far = np.full(WIDTH, _FAR)
     moves = Moves(
         dy=far,
@@ -33,12 +35,16 @@ def new_buffers(rows: int, colony: int, edges: int, layers: int) -> Buffers:
         level=np.zeros(WIDTH, np.float32),
         length=np.ones(WIDTH),
     )
-    return Buffers(moves, _new_nodes(rows), _new_trail(colony, edges, layers))
+    return Buffers(moves, _new_nodes(_FIRST_ROWS), _new_trail(colony, edges, layers))
 
 
 def with_more_rows(buffers: Buffers) -> Buffers:
-    """Return buffers with twice the rows and the same contents."""
+    """Return buffers with twice the rows and the same contents; ParameterError past what an edge number holds."""
     old, count = buffers.nodes, int(buffers.trail.status[ROWS])
+    if 2 * len(old.cell) > MOST_ROWS:
+        raise ParameterError(
+            f"this run may visit over {MOST_ROWS:,} cells; give it fewer ants or a smaller world"
+        )
     nodes = _new_nodes(2 * len(old.cell))
     for name in set(Nodes._fields) - {"table", "scratch"}:
         getattr(nodes, name)[:count] = getattr(old, name)[:count]
@@ -56,11 +62,11 @@ class Workspace(threading.local):
         """Return this thread's buffers, grown to fit every run of a batch."""
         old = self.buffers
         if old is None:
-            self.buffers = new_buffers(max(_FIRST_ROWS, 2 * edges), colony, edges, layers)
+            self.buffers = new_buffers(colony, edges, layers)
         elif len(old.trail.row) < colony or len(old.trail.edge) < edges or len(old.trail.best_edge) < layers:
             sizes = (len(old.trail.row), len(old.trail.edge), len(old.trail.best_edge))
             trail = _new_trail(*np.maximum(sizes, (colony, edges, layers)).tolist())
-            nodes = _new_nodes(max(len(old.nodes.cell), 2 * edges))
+            nodes = _new_nodes(len(old.nodes.cell))  # empty, as the new trail says
             self.buffers = old._replace(nodes=nodes, trail=trail)
         assert self.buffers is not None
         return self.buffers

@@ -1,7 +1,7 @@
 """The colony: plans a scenario, or many at once, or one in blocks. Sole caller of the ant layout."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,9 +36,17 @@ class Plans:
     def __len__(self) -> int:
         return len(self.lengths)
 
-    def __getitem__(self, key: slice) -> "Plans":
-        first, last, _ = key.indices(len(self))
-        return Plans(self._batch, self._first + first, self._first + last)
+    @overload
+    def __getitem__(self, key: int) -> Plan: ...
+    @overload
+    def __getitem__(self, key: slice) -> "Plans": ...
+    def __getitem__(self, key: int | slice) -> "Plan | Plans":
+        if not isinstance(key, slice):
+            return self.plan(key)
+        first, last, step = key.indices(len(self))
+        if step != 1:
+            raise ParameterError(f"plans are sliced without a step, got {step}")
+        return Plans(self._batch, self._first + first, self._first + max(first, last))
 
     def plan(self, index: int) -> Plan:
         """Return one run."""
@@ -120,9 +128,7 @@ class Colony:
         self._batch = Batch.of([scenario], [default], rules, ants, iterations, [seed])
         self._scenario, self._rules = scenario, find_rules(rules)
         run = self._batch.runs[0]
-        self._buffers = new_buffers(
-            2 * ants * scenario.layers + 2, ants, ants * scenario.layers, scenario.layers
-        )
+        self._buffers = new_buffers(ants, ants * scenario.layers, scenario.layers)
         begin(run, self._batch.tables, *self._buffers)
 
     @property

@@ -26,6 +26,8 @@ class Rules(NamedTuple):
             first path on.
         best_only: pheromone fades and grows on the best path so far alone, τ ← ρ·τ + (1 - ρ)·elite·Q / L_best.
         trap: ``"die"``: an ant in a dead end dies; ``"lookahead"``: a move into one is no move.
+        check_segments: whether a problem with these rules checks what a move that skips a cell crosses; the
+            print tests end points alone.
         initial_pheromone: τ₀; only Q / τ₀ acts.
         ranges: low, default, high of the four parameters.
         source: paper and equations.
@@ -42,6 +44,7 @@ class Rules(NamedTuple):
     limits: bool = False
     best_only: bool = False
     trap: str = "die"
+    check_segments: bool = True
     initial_pheromone: float = 1.0
     # The default is the set that liu2020's Table 3 publishes for its own method (transfer); Q becomes κ over the
     # path length it reports, 174.0582 / 148.6621.
@@ -68,7 +71,9 @@ def _textbook(rho: float, kappa: float, source: str, beta: float = 5.0, **change
 
 PAPERS: dict[str, Rules] = {
     "liu2020": Rules(),
-    "liu2020-paper": Rules(target="start", greedy="plain", source="liu2020 (1)-(8) as printed"),
+    "liu2020-paper": Rules(
+        target="start", greedy="plain", check_segments=False, source="liu2020 (1)-(8) as printed"
+    ),
     # (α, β, ρ, Q) = (1, 5, 0.5, 100) on tours of length 424: Dorigo, Maniezzo & Colorni 1996
     "ant_system": _textbook(0.5, 100 / 424, "Dorigo, Maniezzo & Colorni 1996, (4)-(8)"),
     # the weight of 8 is ours: the print tries several
@@ -110,6 +115,7 @@ def find_rules(rules: str | Rules) -> Rules:
         )
     if rules.limits and rules.best_only:
         raise ParameterError("limits and best_only exclude each other: no published rule has both")
-    if not (rules.w1 >= 0 and rules.w2 >= 0 and rules.initial_pheromone > 0):
-        raise ParameterError("w1 and w2 must be at least 0 and initial_pheromone above 0")
+    for name, low, high in (("w1", 0.0, 1e3), ("w2", 0.0, 1e3), ("initial_pheromone", 1e-12, 1e12)):
+        if not low <= getattr(rules, name) <= high:
+            raise ParameterError(f"{name} = {getattr(rules, name)} must lie in [{low:g}, {high:g}]")
     return rules

@@ -122,6 +122,24 @@ class ParameterSpace:
             raise ParameterError(f"need {len(self)} values {self.names} a row, got shape {array.shape}")
         return np.stack([_encode(p, array[:, i]) for i, p in enumerate(self.parameters)], axis=1)
 
+    def mean(self, units: ArrayLike, weights: ArrayLike) -> Floats:
+        """Return the weighted mean of settings, (d,) in [0, 1], taken on each parameter's own scale.
+
+        Args:
+            units: (k, d) settings in [0, 1].
+            weights: (k,), not negative, adding up to 1.
+        """
+        scaled, naturals = np.asarray(weights) @ self._to_scale(self.decode(units)), np.empty(len(self))
+        for scale, columns in self._columns.items():
+            naturals[columns] = _SCALES[scale][1](scaled[columns])
+        return self.encode(np.clip(naturals, self._values[0], self._values[2]))[0]
+
+    def _to_scale(self, naturals: Floats) -> Floats:
+        scaled = np.empty_like(naturals)
+        for scale, columns in self._columns.items():
+            scaled[:, columns] = _SCALES[scale][0](naturals[:, columns])
+        return scaled
+
     def sample(self, rng: np.random.Generator, count: int) -> Floats:
         """Return (count, d) settings drawn uniformly from the unit cube."""
         return rng.random((count, len(self)))

@@ -40,16 +40,17 @@ class LedgerRun:
         self.outcome = outcome
         self._ledger = ledger
 
-    def replay(self, index: int, unit: tuple[float, ...]) -> Record | None:
-        """Return recorded trial ``index``; LedgerError where the agent now proposes another setting."""
+    def replay(self, index: int, unit: tuple[float, ...], seed: int) -> Record | None:
+        """Return recorded trial ``index``; LedgerError where agent or problem now have another setting or seed."""
         if index >= len(self.records):
             return None
         record = self.records[index]
-        if record.trial.unit != unit:
-            raise LedgerError(
-                f"run {self.key!r}, trial {index}: the ledger in {self._ledger.folder} holds {record.trial.unit}, the "
-                f"agent now proposes {unit}{self._ledger.version_changes()}; restore what changed or use another folder"
-            )
+        for what, then, now in (("setting", record.trial.unit, unit), ("planner seed", record.seed, seed)):
+            if then != now:
+                raise LedgerError(
+                    f"run {self.key!r}, trial {index}: the ledger in {self._ledger.folder} holds the {what} {then}, "
+                    f"now it is {now}{self._ledger.version_changes()}; restore what changed or use another folder"
+                )
         return record
 
     def append(self, records: Sequence[Record]) -> None:
@@ -161,9 +162,7 @@ class Ledger:
         config = json.loads(json.dumps(config))
         if not path.exists():
             manifest = {"schema": SCHEMA, "config": config, "versions": self._versions, **facts}
-            scratch = path.with_suffix(".tmp")
-            scratch.write_text(json.dumps(manifest, indent=2) + "\n")
-            os.replace(scratch, path)
+            self._write_manifest(manifest)
             return manifest
         try:
             found: dict[str, Any] = json.loads(path.read_text())
@@ -179,6 +178,22 @@ class Ledger:
                 f"{self.folder} was begun with another {', '.join(keys)}; use another folder or the same settings"
             )
         return found
+
+    def pin(self, digests: Mapping[str, str]) -> None:
+        """Tie the ledger to files by their hashes; LedgerError where one differs from what was pinned before."""
+        pinned = self._manifest.setdefault("pinned", {})
+        for name, digest in digests.items():
+            if pinned.setdefault(name, digest) != digest:
+                raise LedgerError(
+                    f"{name} is not the file that the runs in {self.folder} were made with; restore it or use "
+                    "another folder"
+                )
+        self._write_manifest(self._manifest)
+
+    def _write_manifest(self, manifest: dict[str, Any]) -> None:
+        scratch = (self.folder / MANIFEST).with_suffix(".tmp")
+        scratch.write_text(json.dumps(manifest, indent=2) + "\n")
+        os.replace(scratch, self.folder / MANIFEST)
 
     def _load(self) -> dict[str, LedgerRun]:
         runs: dict[str, LedgerRun] = {}

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from antgym.errors import BudgetError, ParameterError, is_count
 from antgym.maps.world import Scenario
+from antgym.planners.batch import MOST_EFFORT
 from antgym.planners.colony import Plans, plan_many
 from antgym.planners.rules import find_rules
 from antgym.planners.space import ParameterSpace
@@ -61,11 +62,17 @@ class TuningProblem:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        find_rules(self.rules)
+        motion = self.scenario.motion
+        if motion.check_segments and not find_rules(self.rules).check_segments:
+            loose = self.scenario.with_motion(motion._replace(check_segments=False))
+            object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
+        if not isinstance(self.seed, int) or self.seed < 0:
+            raise ParameterError(f"seed = {self.seed!r}: a whole number of at least 0 is needed")
         for name in ("ants", "iterations"):
-            if not is_count(getattr(self, name)):
+            value = getattr(self, name)
+            if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= MOST_EFFORT:
                 raise ParameterError(
-                    f"{name} = {getattr(self, name)!r}: a run needs a whole number, at least 1"
+                    f"{name} = {value!r}: a run needs a whole number from 1 to {MOST_EFFORT:,}"
                 )
 
     @cached_property

@@ -38,8 +38,8 @@ class Record(NamedTuple):
 class Journal(Protocol):
     """Where a session writes what it paid for, and finds what an interrupted run had paid for."""
 
-    def replay(self, index: int, unit: tuple[float, ...]) -> Record | None:
-        """Return the recorded trial ``index``, or None; raise where it was made with another setting."""
+    def replay(self, index: int, unit: tuple[float, ...], seed: int) -> Record | None:
+        """Return the recorded trial ``index``, or None; raise where it was made with another setting or seed."""
         ...
 
     def append(self, records: Sequence[Record]) -> None:
@@ -91,7 +91,6 @@ class Session:
     Attributes:
         trials: what was paid for so far.
         lengths: their path lengths in world units, inf where there was no path; the harness's, not the agent's.
-        last: plans of the last batch that was run (None before, or where everything was replayed).
     """
 
     def __init__(self, problem: TuningProblem, budget: int, journal: Journal | None = None) -> None:
@@ -100,7 +99,6 @@ class Session:
         self.task: Task = problem.task(self._budget.total)
         self.trials: tuple[Trial, ...] = ()
         self.lengths: tuple[float, ...] = ()
-        self.last: Plans | None = None
         self._journal = journal
 
     @property
@@ -133,7 +131,8 @@ class Session:
         replayed: list[Record] = []
         if self._journal is not None:
             for offset, unit in enumerate(batch):
-                record = self._journal.replay(first + offset, tuple(unit.tolist()))
+                seed = int(self.problem.seeds(TRIAL, first + offset, 1)[0])
+                record = self._journal.replay(first + offset, tuple(unit.tolist()), seed)
                 if record is None:
                     break
                 replayed.append(record)
@@ -149,7 +148,6 @@ class Session:
             if self._journal is not None:
                 self._journal.append(new)
             records += new
-        self.last = plans
         self.trials += tuple(r.trial for r in records)
         self.lengths += tuple(r.length for r in records)
         return tuple(r.trial for r in records)

@@ -126,3 +126,11 @@ def test_names_and_defaults_come_in_order():
     assert space.names == ("alpha", "beta", "rho", "Q")
     assert space.default.tolist() == [p.default for p in space.parameters]
     assert named_values(space, space.default)["Q"] == space.parameters[3].default
+
+
+def test_a_mean_is_taken_on_each_scale():
+    space = SPACES[0]
+    pair = space.encode([[0.1, 1.0, 0.2, space.default[3]], [0.4, 9.0, 0.8, space.default[3]]])
+    mean = space.decode(space.mean(pair, [0.5, 0.5]))[0]
+    assert mean == pytest.approx([0.2, 3.0, 0.5, space.default[3]])
+    assert space.mean(pair, [1.0, 0.0]) == pytest.approx(pair[0])

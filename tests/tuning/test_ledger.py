@@ -166,18 +166,18 @@ def test_another_proposal_than_the_recorded_is_named(tmp_path):
         ledger.run("ga/valley/3").append([record(0), record(1)])
     with opened(tmp_path, versions={"antgym": "1", "numpy": "3", "cmaes": "0.1"}) as ledger:
         message = (
-            r"run 'ga/valley/3', trial 1: .* now proposes \(0.9, .*"
+            r"run 'ga/valley/3', trial 1: .* setting .* now it is \(0.9, .*"
             r"versions changed: cmaes None -> 0.1, numpy 2 -> 3"
         )
         with pytest.raises(LedgerError, match=message):
-            ledger.run("ga/valley/3").replay(1, (0.9, 0.9, 0.9, 0.9))
+            ledger.run("ga/valley/3").replay(1, (0.9, 0.9, 0.9, 0.9), 2**63 - 1)
 
 
 def test_another_proposal_under_the_same_versions_says_so(tmp_path):
     with opened(tmp_path) as ledger:
         ledger.run("ga").append([record(0)])
         with pytest.raises(LedgerError, match="no library version changed"):
-            ledger.run("ga").replay(0, (0.5,) * 4)
+            ledger.run("ga").replay(0, (0.5,) * 4, 2**63 - 1)
 
 
 def test_an_agent_that_changed_is_stopped_before_a_planner_run(problem, tmp_path, planner_runs):
@@ -322,3 +322,19 @@ def test_inf_lengths_of_a_real_run_survive(tmp_path):
     play(walled_in, tmp_path, budget=2)
     with opened(tmp_path) as ledger:
         assert [r.length for r in ledger.run("pacing/valley/0").records] == [float("inf")] * 2
+
+
+def test_another_planner_seed_than_the_recorded_is_named(tmp_path):
+    with opened(tmp_path) as ledger:
+        ledger.run("ga").append([record(0)])
+        with pytest.raises(LedgerError, match="planner seed 9223372036854775807, now it is 5"):
+            ledger.run("ga").replay(0, record(0).trial.unit, 5)
+
+
+def test_a_pinned_file_may_not_change(tmp_path):
+    with opened(tmp_path) as ledger:
+        ledger.pin({"graph.json": "aa"})
+    with opened(tmp_path) as ledger:
+        ledger.pin({"graph.json": "aa", "policy.zip": "bb"})
+        with pytest.raises(LedgerError, match=r"policy\.zip is not the file"):
+            ledger.pin({"policy.zip": "cc"})

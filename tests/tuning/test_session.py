@@ -231,3 +231,18 @@ def test_a_length_below_the_optimum_is_a_bug_that_stops_the_run(problem):
 
 def test_running_nothing_together_gives_nothing():
     assert problems.run_together([]) == []
+
+
+def test_a_problem_with_the_printed_rules_checks_end_points_alone(valley):
+    sound, paper = (TuningProblem(valley, rules) for rules in ("liu2020", "liu2020-paper"))
+    assert sound.scenario.motion.check_segments
+    assert not paper.scenario.motion.check_segments
+    assert paper.scenario.optimum <= sound.scenario.optimum
+
+
+@pytest.mark.parametrize(
+    "changes", [{"ants": 20.0}, {"iterations": True}, {"ants": 2_000_000}, {"seed": -1}, {"seed": 1.5}]
+)
+def test_a_problem_that_no_planner_would_run_is_refused_before_anything_is_paid(valley, changes):
+    with pytest.raises(ParameterError, match=next(iter(changes))):
+        TuningProblem(valley, **changes)
