@@ -73,9 +73,10 @@ def grid_search(
 ):
     """Search on from where ``state`` says; return True when done, False when the heap needs more room.
 
-    Cells are expanded by estimated length, coarsely rounded to a rank, and among equal ones by the way behind them: where many paths are equally long, a cell's sum is then nearly always final at its first
-    expansion. One that improves later is expanded again, and the search goes on until no estimate can beat the
-    goal's sum by even one bit. The estimate is the exact length in an empty world, so no cell off the way is met.
+    Cells are expanded by estimated length, coarsely rounded to a rank, and within a rank by the way behind them:
+    where many paths are equally long, a cell's sum is then nearly always final at its first expansion. One that
+    improves later is expanded again, and the search goes on until no estimate can beat the goal's sum by even
+    one bit. The estimate is the exact length in an empty world.
 
     Args:
         free: (n,) uint8, the world's storage, 1 = free; its borders are blocked.

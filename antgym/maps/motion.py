@@ -134,7 +134,7 @@ def _grid_moves(motion: Motion) -> MoveTable:
     return MoveTable(steps, np.zeros_like(steps), steps.copy(), required, either)
 
 
-def _neighbours(name: str) -> list[tuple[int, int, int]]:
+def _neighbours(name: str) -> list[tuple[int, ...]]:
     """Return the steps of a grid motion, straight ones first."""
     most, axes = {"grid4": (1, 2), "grid8": (2, 2), "grid26": (3, 3)}[name]
     around = (step for step in product((-1, 0, 1), repeat=3) if not any(step[axes:]))

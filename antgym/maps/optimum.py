@@ -14,7 +14,7 @@ from antgym.maps.world import PAD, Scenario
 
 _HEAP = 1 << 12  # entries to begin with; a heap that is too small is copied into one four times the size
 
-_RANKS = 1e6  # per shortest move
+_RANKS = 1e4  # per longest move: sums of a million moves still round to within one rank
 
 
 def shortest_length(scenario: Scenario) -> float:
@@ -88,7 +88,7 @@ def _search(scenario: Scenario) -> tuple[float, NDArray[np.float64]]:
         table.either @ strides,
         lengths,
         _spans(scenario.motion, scenario.world.cell),
-        _RANKS / lengths.min(),
+        _RANKS / lengths.max(),
         strides,
         np.asarray(scenario.start) + PAD,
         np.asarray(scenario.goal) + PAD,

@@ -24,8 +24,8 @@ class GridWorld:
         cell: edge lengths of a cell along x, y, z in world units (any unit; lengths come out in it).
 
     Raises:
-        MapError: if the array has neither two nor three dimensions, is empty or holds anything but 0 and 1, or if a cell
-            edge is not positive and finite.
+        MapError: if the array has neither two nor three dimensions, is empty or holds anything but 0 and 1, or
+            if a cell edge is not positive and finite.
     """
 
     free: NDArray[np.uint8]
