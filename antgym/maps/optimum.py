@@ -13,7 +13,6 @@ from antgym.maps.motion import REACH, Motion, move_table, step_lengths
 from antgym.maps.world import PAD, Scenario
 
 _HEAP = 1 << 12  # entries to begin with; a heap that is too small is copied into one four times the size
-
 _RANKS = 1e4  # per longest move: sums of a million moves still round to within one rank
 
 
