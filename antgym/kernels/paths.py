@@ -1,8 +1,15 @@
-"""Exact shortest paths under the layered motion, by dynamic programming over rolling layers."""
+"""Exact shortest paths: dynamic programming over rolling layers for the layered motion, A* for grids.
+
+Both return the smallest of all sums that add a path's moves from the start on, one addition a move: rounding is
+monotone, so cell by cell a larger sum never becomes the smaller one.
+"""
 
 import numpy as np
 
-from antgym.kernels import kernel
+from antgym.kernels import inlined, kernel
+
+SIZE, BEGUN = 0, 1  # slots of a search's state
+RANK, SUM, CELL = 0, 1, 2  # columns of a heap
 
 
 @kernel
@@ -58,3 +65,127 @@ def _legal(storage, offsets, k, x, y, z):
         if storage[x + dx, y + dy, z + dz] == 0:
             return False
     return True
+
+
+@kernel
+def grid_search(
+    free, steps, required, either, lengths, spans, scale, strides, start, goal, sums, heap, state
+):
+    """Search on from where ``state`` says; return True when done, False when the heap needs more room.
+
+    Cells are expanded by estimated length, coarsely rounded to a rank, and within a rank by the way behind them:
+    where many paths are equally long, a cell's sum is then nearly always final at its first expansion. One that
+    improves later is expanded again, and the search goes on until no estimate can beat the goal's sum by even
+    one bit. The estimate is the exact length in an empty world.
+
+    Args:
+        free: (n,) uint8, the world's storage, 1 = free; its borders are blocked.
+        steps: (k, 3) int64, cells moved.
+        required: (k, r) int64, offsets into ``free`` of the cells that a move needs free.
+        either: (k, 2) int64, offsets of two cells of which it needs one.
+        lengths: (k,) float64, length of each move.
+        spans: (8,) float64, way of one cell along the axes whose bits are set in the index.
+        scale: ranks per world unit: so few that rounding cannot scatter equal lengths over more than two ranks.
+        strides: (3,) int64 of ``free`` along x, y, z.
+        start: (3,) int64 cell in storage indices.
+        goal: (3,) int64 cell in storage indices.
+        sums: (n,) float64, zeros at first; receives the shortest sum to every cell reached.
+        heap: (capacity, 3) float64: rank, sum and cell of the entries.
+        state: (2,) int64, zeros at first.
+    """
+    first = start[0] * strides[0] + start[1] * strides[1] + start[2]
+    last = goal[0] * strides[0] + goal[1] * strides[1] + goal[2]
+    if state[BEGUN] == 0:
+        state[BEGUN] = 1
+        _push(heap, state, 0.0, 0.0, first)
+    while state[SIZE] > 0:
+        if state[SIZE] + lengths.shape[0] > heap.shape[0]:
+            return False
+        rank, total, cell = heap[0, RANK], heap[0, SUM], np.int64(heap[0, CELL])
+        if sums[last] > 0.0 and rank > _rank(sums[last], scale) + 1.0:
+            return True
+        _pop(heap, state)
+        if total > sums[cell] and cell != first:
+            continue
+        x, rest = divmod(cell, strides[0])
+        y, z = divmod(rest, strides[1])
+        for k in range(lengths.shape[0]):
+            end = cell + steps[k, 0] * strides[0] + steps[k, 1] * strides[1] + steps[k, 2]
+            way = total + lengths[k]
+            if free[end] == 0 or end == first or (sums[end] > 0.0 and sums[end] <= way):
+                continue
+            if not _open(free, required, either, k, cell):
+                continue
+            sums[end] = way
+            left = _empty_way(
+                abs(x + steps[k, 0] - goal[0]),
+                abs(y + steps[k, 1] - goal[1]),
+                abs(z + steps[k, 2] - goal[2]),
+                spans,
+            )
+            _push(heap, state, _rank(way + left, scale), way, end)
+    return True
+
+
+@inlined
+def _rank(length, scale):
+    """Round a length; the odd shift keeps whole multiples of a move off the boundaries."""
+    return np.floor(length * scale + 0.382)
+
+
+@inlined
+def _open(free, required, either, k, cell):
+    """Whether move k from a cell is legal."""
+    for r in range(required.shape[1]):
+        if free[cell + required[k, r]] == 0:
+            return False
+    return free[cell + either[k, 0]] != 0 or free[cell + either[k, 1]] != 0
+
+
+@inlined
+def _empty_way(x, y, z, spans):
+    """Return the shortest length over x, y, z cells in an empty world: diagonals first, by concavity."""
+    high, middle, low, a, b = x, y, z, 1, 2
+    if high < middle:
+        high, middle, a, b = middle, high, b, a
+    if middle < low:
+        middle, low, b = low, middle, 4
+        if high < middle:
+            high, middle, a, b = middle, high, b, a
+    return (high - middle) * spans[a] + (middle - low) * spans[a | b] + low * spans[7]
+
+
+@inlined
+def _push(heap, state, rank, total, cell):
+    """Add an entry to a binary heap ordered by rank, then sum."""
+    place = state[SIZE]
+    state[SIZE] = place + 1
+    while place > 0:
+        above = (place - 1) >> 1
+        if heap[above, RANK] < rank or (heap[above, RANK] == rank and heap[above, SUM] <= total):
+            break
+        for column in range(3):
+            heap[place, column] = heap[above, column]
+        place = above
+    heap[place, RANK], heap[place, SUM], heap[place, CELL] = rank, total, cell
+
+
+@inlined
+def _pop(heap, state):
+    """Remove the first entry."""
+    size = state[SIZE] - 1
+    state[SIZE] = size
+    rank, total, cell = heap[size, RANK], heap[size, SUM], heap[size, CELL]
+    place, below = 0, 1
+    while below < size:
+        if below + 1 < size and (
+            heap[below + 1, RANK] < heap[below, RANK]
+            or (heap[below + 1, RANK] == heap[below, RANK] and heap[below + 1, SUM] < heap[below, SUM])
+        ):
+            below += 1
+        if rank < heap[below, RANK] or (rank == heap[below, RANK] and total <= heap[below, SUM]):
+            break
+        for column in range(3):
+            heap[place, column] = heap[below, column]
+        place, below = below, 2 * below + 1
+    heap[place, RANK], heap[place, SUM], heap[place, CELL] = rank, total, cell

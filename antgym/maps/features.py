@@ -94,7 +94,7 @@ def legal_moves(scenario: Scenario, cells: NDArray[np.int64]) -> NDArray[np.bool
     """
     table, storage = move_table(scenario.motion), scenario.world.storage
     strides = np.array((storage.shape[1] * storage.shape[2], storage.shape[2], 1))
-    base = ((cells + np.array((0, PAD, PAD))) @ strides)[:, None]
+    base = ((cells + PAD) @ strides)[:, None]
     flat = storage.reshape(-1)
     legal = flat[base + table.steps @ strides] != 0
     for crossed in (table.before, table.after):

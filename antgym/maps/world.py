@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from antgym.errors import MapError, ScenarioError
 from antgym.maps.motion import LAYERED, REACH, Motion
 
-PAD = REACH  # blocked border cells around y and z, so that no move needs a bounds check
+PAD = REACH  # blocked border cells on every side, so that no move needs a bounds check
 Cell = tuple[int, int, int]
 
 
@@ -20,36 +20,36 @@ class GridWorld:
     """A box of equal cells, each free (1) or blocked (0).
 
     Args:
-        free: (nx, ny, nz) array of 0/1 or bool; copied.
+        free: (nx, ny, nz) array of 0/1 or bool, or (nx, ny) for a flat world, one cell high; copied.
         cell: edge lengths of a cell along x, y, z in world units (any unit; lengths come out in it).
 
     Raises:
-        MapError: if the array is not three-dimensional, is empty or holds anything but 0 and 1, or if a cell
-            edge is not positive and finite.
+        MapError: if the array has neither two nor three dimensions, is empty or holds anything but 0 and 1, or
+            if a cell edge is not positive and finite.
     """
 
     free: NDArray[np.uint8]
     cell: tuple[float, float, float] = (15.0, 15.0, 15.0)
     storage: NDArray[np.uint8] = field(init=False, repr=False)
-    """(nx, ny + 2 PAD, nz + 2 PAD) uint8, C order: what the kernels read; ``free`` is a view into it."""
+    """(nx + 2 PAD, ny + 2 PAD, nz + 2 PAD) uint8, C order: what the kernels read; ``free`` is a view into it."""
 
     def __post_init__(self) -> None:
         free = np.asarray(self.free)
-        if free.ndim != 3 or free.size == 0:
-            raise MapError(f"a world is a non-empty (nx, ny, nz) array, got shape {free.shape}")
-        if free.dtype != np.bool_ and not (((free == 0) | (free == 1)).all()):
+        if free.ndim not in (2, 3) or free.size == 0:
+            raise MapError(f"a world is a non-empty (nx, ny, nz) or (nx, ny) array, got shape {free.shape}")
+        if not _is_binary(free):
             raise MapError(
                 "a world holds only 0 (blocked) and 1 (free); threshold it first, or use voxelise()"
             )
         cell = tuple(float(edge) for edge in self.cell)
         if len(cell) != 3 or not all(np.isfinite(edge) and edge > 0 for edge in cell):
             raise MapError(f"cell edges must be three positive numbers (x, y, z), got {self.cell}")
-        nx, ny, nz = free.shape
-        storage = np.zeros((nx, ny + 2 * PAD, nz + 2 * PAD), dtype=np.uint8)
-        storage[:, PAD : PAD + ny, PAD : PAD + nz] = free
+        free = free.reshape(*free.shape[:2], -1)
+        storage = np.zeros([n + 2 * PAD for n in free.shape], dtype=np.uint8)
+        storage[PAD:-PAD, PAD:-PAD, PAD:-PAD] = free
         storage.setflags(write=False)
         object.__setattr__(self, "storage", storage)
-        object.__setattr__(self, "free", storage[:, PAD : PAD + ny, PAD : PAD + nz])
+        object.__setattr__(self, "free", storage[PAD:-PAD, PAD:-PAD, PAD:-PAD])
         object.__setattr__(self, "cell", cell)
 
     def __reduce__(self) -> tuple[type["GridWorld"], tuple[NDArray[np.uint8], tuple[float, float, float]]]:
@@ -77,13 +77,14 @@ class Scenario:
 
     Args:
         world: the grid.
-        start: (x, y, z) cell indices; must be free.
-        goal: (x, y, z) cell indices; must be free and, under the layered motion, in a later layer.
+        start: (x, y, z) cell indices, or (x, y) in a world one cell high; must be free.
+        goal: likewise; under the layered motion in a later layer.
         motion: the motion rule; the exact optimum is exact under it.
         name: how tables call it; agents never see it.
 
     Raises:
-        ScenarioError: if start or goal is outside, blocked or equal, or the goal is out of the motion's reach.
+        ScenarioError: if start or goal is outside, blocked or equal, the goal is out of the motion's reach, or
+            the motion is flat and the world is not.
     """
 
     world: GridWorld
@@ -95,20 +96,18 @@ class Scenario:
     def __post_init__(self) -> None:
         for label in ("start", "goal"):
             cell = tuple(int(i) for i in getattr(self, label))
+            if len(cell) == 2 and self.world.shape[2] == 1:
+                cell = (*cell, 0)
             object.__setattr__(self, label, cell)
             _require_free(self.world, cell, label)
-        (xs, ys, zs), (xg, yg, zg) = self.start, self.goal
         if self.start == self.goal:
             raise ScenarioError(f"start and goal are the same cell {self.start}; choose two")
-        if xg <= xs:
+        if self.motion.layered:
+            _require_reach(self.start, self.goal)
+        elif self.motion.name != "grid26" and self.world.shape[2] != 1:
             raise ScenarioError(
-                f"the layered motion advances along x: goal {self.goal} must lie in a later layer "
-                f"than start {self.start}; swap them or rotate the world"
-            )
-        if max(abs(yg - ys), abs(zg - zs)) > REACH * (xg - xs):
-            raise ScenarioError(
-                f"goal {self.goal} is out of reach of start {self.start}: {xg - xs} layers allow "
-                f"{REACH * (xg - xs)} cells along y and z"
+                f"the {self.motion.name} motion needs a world one cell high, got {self.world.shape} cells; "
+                "take one level of it, free[:, :, z], or the grid26 motion"
             )
 
     def __reduce__(self) -> tuple[type["Scenario"], tuple[GridWorld, Cell, Cell, Motion, str]]:
@@ -116,7 +115,9 @@ class Scenario:
 
     @property
     def layers(self) -> int:
-        """Number of moves of every path."""
+        """Number of moves of every path under the layered motion; under any other, paths differ in it."""
+        if not self.motion.layered:
+            raise ScenarioError(f"the {self.motion.name} motion has no layers")
         return self.goal[0] - self.start[0]
 
     @cached_property
@@ -143,7 +144,7 @@ class Scenario:
     @cached_property
     def digest(self) -> str:
         """Hash of everything that defines the question (name excluded), 64 hex digits."""
-        text = f"{self.world.shape}{self.world.cell}{self.start}{self.goal}{tuple(self.motion)}"
+        text = f"{self.world.shape}{self.world.cell}{self.start}{self.goal}{self.motion.key}"
         return hashlib.sha256(text.encode() + np.packbits(self.world.free).tobytes()).hexdigest()
 
     def with_motion(self, motion: Motion) -> "Scenario":
@@ -160,3 +161,23 @@ def _require_free(world: GridWorld, cell: tuple[int, ...], label: str) -> None:
             raise ScenarioError(f"{label} {cell} is blocked, and so is every cell of the world")
         near = open_cells[np.abs(open_cells - np.array(cell)).sum(axis=1).argmin()]
         raise ScenarioError(f"{label} {cell} is blocked; the nearest free cell is {tuple(near.tolist())}")
+
+
+def _require_reach(start: Cell, goal: Cell) -> None:
+    (xs, ys, zs), (xg, yg, zg) = start, goal
+    if xg <= xs:
+        raise ScenarioError(
+            f"the layered motion advances along x: goal {goal} must lie in a later layer "
+            f"than start {start}; swap them or rotate the world"
+        )
+    if max(abs(yg - ys), abs(zg - zs)) > REACH * (xg - xs):
+        raise ScenarioError(
+            f"goal {goal} is out of reach of start {start}: {xg - xs} layers allow "
+            f"{REACH * (xg - xs)} cells along y and z"
+        )
+
+
+def _is_binary(free: NDArray[np.generic]) -> bool:
+    if free.dtype == np.bool_ or free.dtype.kind == "u":  # no temporary arrays: worlds can be large
+        return bool(free.max() <= 1)
+    return bool(((free == 0) | (free == 1)).all())

@@ -77,6 +77,7 @@ class Batch:
     ) -> "Batch":
         """Check everything once and pack it."""
         count = len(scenarios)
+        _require_layered(scenarios)
         each = _each_rules(rules, count)
         runs = np.zeros(count, RUN).view(np.recarray)
         free, runs["origin"] = _pack([s.world for s in scenarios])
@@ -140,6 +141,15 @@ class Batch:
         )
 
 
+def _require_layered(scenarios: list[Scenario]) -> None:
+    for scenario in scenarios:
+        if not scenario.motion.layered:
+            raise ParameterError(
+                f"scenario {scenario.name!r} has the {scenario.motion.name} motion: the colony walks the layered "
+                "motion only, so far"
+            )
+
+
 def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[Rules]:
     if isinstance(rules, (str, Rules)):
         return [find_rules(rules)] * count
@@ -200,7 +210,7 @@ def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]
 def _places(scenario: Scenario) -> tuple[int, ...]:
     _, sy, sz = scenario.world.storage.shape
     (xs, ys, zs), (_, yg, zg) = scenario.start, scenario.goal
-    return sy * sz, sz, xs, ys + PAD, zs + PAD, yg + PAD, zg + PAD, scenario.layers
+    return sy * sz, sz, xs + PAD, ys + PAD, zs + PAD, yg + PAD, zg + PAD, scenario.layers
 
 
 def _write_rules(runs: Any, rules: list[Rules]) -> None:
@@ -225,4 +235,4 @@ def _path(scenario: Scenario, indices: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def cells_of(scenario: Scenario, indices: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the (n, 3) cells behind indices into the flat storage of a scenario's world."""
-    return np.stack(np.unravel_index(indices, scenario.world.storage.shape), axis=1) - (0, PAD, PAD)
+    return np.stack(np.unravel_index(indices, scenario.world.storage.shape), axis=1) - PAD

@@ -25,7 +25,10 @@ def box(blocked=(), shape=(4, 5, 3), cell=(15.0, 15.0, 15.0)):
 @pytest.mark.parametrize(
     ("free", "message"),
     [
-        (np.ones((3, 3)), r"got shape \(3, 3\)"),
+        (np.ones(3), r"got shape \(3,\)"),
+        (np.ones((3, 3, 3, 1)), r"got shape \(3, 3, 3, 1\)"),
+        (np.ones((3, 0)), r"got shape \(3, 0\)"),
+        (np.full((2, 2), 255, np.uint8), "only 0 .blocked. and 1 .free."),
         (np.ones((3, 0, 3)), r"got shape \(3, 0, 3\)"),
         (np.full((2, 2, 2), 2), "only 0 .blocked. and 1 .free."),
         (np.full((2, 2, 2), np.nan), "only 0 .blocked. and 1 .free."),
@@ -66,9 +69,23 @@ def test_a_world_is_a_copy_that_nobody_can_write_to():
 
 def test_storage_is_the_world_within_blocked_borders():
     world = box()
-    assert world.storage.shape == (4, 9, 7)
+    assert world.storage.shape == (8, 9, 7)
     assert world.storage.sum() == world.free.sum()
     assert np.shares_memory(world.storage, world.free)
+
+
+def test_a_flat_world_is_one_cell_high():
+    free = np.random.default_rng(0).random((4, 5)) < 0.5
+    flat, high = GridWorld(free), GridWorld(free[:, :, None])
+    assert flat.shape == (4, 5, 1)
+    assert (flat.storage == high.storage).all()
+
+
+def test_cells_of_a_flat_world_need_no_height():
+    world = GridWorld(np.ones((4, 5)))
+    scenario = Scenario(world, (0, 1), (3, 1))
+    assert (scenario.start, scenario.goal) == ((0, 1, 0), (3, 1, 0))
+    assert scenario.digest == Scenario(world, (0, 1, 0), (3, 1, 0)).digest
 
 
 def test_centres_lie_half_a_cell_from_the_corner():
@@ -93,6 +110,28 @@ def test_a_start_or_goal_that_cannot_be_used_is_named(start, goal, message):
     world = box(blocked=[(0, None, 2), (1, 1, 2), (3, 4, None), (2, 4, 1)])
     with pytest.raises(ScenarioError, match=message):
         Scenario(world, start, goal)
+
+
+@pytest.mark.parametrize("name", ["grid4", "grid8"])
+def test_a_flat_motion_in_a_high_world_is_named(name):
+    with pytest.raises(
+        ScenarioError, match=rf"the {name} motion needs a world one cell high, got \(4, 5, 3\)"
+    ):
+        Scenario(box(), *ENDS, Motion(name))
+
+
+@pytest.mark.parametrize("motion", [Motion("grid8"), Motion("grid26")])
+def test_a_grid_leads_anywhere_but_to_its_start(motion):
+    world = GridWorld(np.ones((4, 9)))
+    assert Scenario(world, (3, 8), (0, 0), motion).optimum == pytest.approx(15 * (3 * np.sqrt(2) + 5))
+    assert Scenario(world, (3, 8), (3, 0), motion).optimum == pytest.approx(15 * 8)
+    with pytest.raises(ScenarioError, match="start and goal are the same cell"):
+        Scenario(world, (3, 8), (3, 8), motion)
+
+
+def test_only_layered_paths_have_a_number_of_layers():
+    with pytest.raises(ScenarioError, match="the grid26 motion has no layers"):
+        _ = Scenario(box(), *ENDS, Motion("grid26")).layers
 
 
 def test_a_world_without_a_free_cell_is_named():
@@ -134,6 +173,8 @@ def test_the_digest_changes_with_every_ingredient():
         Scenario(box(), (0, 1, 0), ENDS[1]),
         Scenario(box(), ENDS[0], (3, 2, 1)),
         Scenario(box(), *ENDS, Motion(check_segments=False)),
+        Scenario(box(), *ENDS, Motion("grid26")),
+        Scenario(box(), *ENDS, Motion("grid26", corners="cut")),
     ]
     assert len({scenario.digest for scenario in scenarios}) == len(scenarios)
 

@@ -275,6 +275,15 @@ def test_bad_arguments_are_named(valley, arguments, message):
         plan(valley, **{"parameters": (1, 1, 0.5, 1), **arguments})
 
 
+def test_a_motion_that_the_colony_cannot_walk_is_named(valley):
+    grid = Scenario(valley.world, valley.start, valley.goal, Motion("grid26"), name="high")
+    for ask in (lambda: plan(grid, (1, 1, 0.5, 1)), lambda: Colony(grid)):
+        with pytest.raises(
+            ParameterError, match="'high' has the grid26 motion: the colony walks the layered"
+        ):
+            ask()
+
+
 def test_kernels_compile_once():
     """A second signature would mean that some caller hands over another dtype, and a second compilation."""
     from antgym.kernels import ants, paths
@@ -286,7 +295,10 @@ def test_kernels_compile_once():
         iterations=4,
         seeds=[1, 2],
     )
-    for compiled in (ants.plan_range, ants.begin, ants.advance, paths.layered_distances):
+    for motion in (Motion(), Motion("grid8"), Motion("grid4", corners="cut"), Motion("grid26")):
+        _ = Scenario(GridWorld(np.ones((5, 5))), (0, 0), (4, 4), motion).optimum
+    walks = ants.plan_range, ants.begin, ants.advance
+    for compiled in (*walks, paths.layered_distances, paths.grid_search):
         assert len(compiled.signatures) <= 1
 
 
