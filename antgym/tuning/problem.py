@@ -1,6 +1,6 @@
 """A tuning problem, as the harness holds it, and the task, which is all of it that an agent may see."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -63,8 +63,8 @@ class TuningProblem:
 
     def __post_init__(self) -> None:
         motion = self.scenario.motion
-        if motion.check_segments and not find_rules(self.rules).check_segments:
-            loose = self.scenario.with_motion(motion._replace(check_segments=False))
+        if motion.layered and motion.check_segments and not find_rules(self.rules).check_segments:
+            loose = self.scenario.with_motion(replace(motion, check_segments=False))
             object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
         if not isinstance(self.seed, int) or self.seed < 0:
             raise ParameterError(f"seed = {self.seed!r}: a whole number of at least 0 is needed")
