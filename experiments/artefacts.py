@@ -15,7 +15,7 @@ from agents.static import StaticSetting, race
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session, Trial
-from experiments.console import progress
+from antgym.console import progress
 from experiments.presets import Preset
 from experiments.train import Arguments, train
 

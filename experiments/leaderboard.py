@@ -24,7 +24,7 @@ from antgym.tuning.agent import Agent, tune
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed, prepare, problem, trained_argument
-from experiments.console import main, progress
+from antgym.console import main, progress
 from experiments.presets import PRESETS, Preset
 
 AGENTS = (

@@ -28,7 +28,7 @@ from antgym.maps.shaping import voxelise
 from antgym.maps.world import Scenario
 from antgym.planners.colony import plan
 from antgym.planners.rules import Rules
-from experiments.console import main
+from antgym.console import main
 
 PARAMETERS = (1.0, 5.0, 0.9, 100.0)
 

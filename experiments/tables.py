@@ -29,7 +29,7 @@ from antgym.tuning.agent import Agent, tune
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed
-from experiments.console import main, progress
+from antgym.console import main, progress
 
 MAPS, SIDE = 6, 21
 DETOUR = 1.3  # of the optimum over the straight line; the paper's 148.66 mm over nine layers is 1.10
