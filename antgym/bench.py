@@ -14,10 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
-from antgym.maps.optimum import shortest_length
 from antgym.maps.shaping import voxelise
 from antgym.maps.world import Scenario
-from antgym.planners.colony import plan
 from antgym.planners.rules import Rules
 
 PARAMETERS = (1.0, 5.0, 0.9, 100.0)
@@ -93,6 +91,8 @@ def standard_scenario(size: int = 21, layers: int | None = None) -> Scenario:
 
 def our_planner(workload: Workload) -> Work:
     """Return a turn of antgym's own planner."""
+    from antgym.planners.colony import plan  # brings numba, which the memory of another code must not count
+
     scenario, rules = workload.scenario(), workload.rules
     effort = {"ants": workload.ants, "iterations": workload.iterations}
     return lambda seed: plan(scenario, PARAMETERS, rules=rules, seed=seed, **effort).moves
@@ -100,6 +100,8 @@ def our_planner(workload: Workload) -> Work:
 
 def our_optimum(workload: Workload) -> Work:
     """Return a turn of the exact planner: dynamic programming over the layers."""
+    from antgym.maps.optimum import shortest_length
+
     scenario = workload.scenario()
 
     def work(_: int) -> int:

@@ -37,7 +37,7 @@ class Terrain(NamedTuple):
 
     def coordinates(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the centres of (n, 3) cells: x, y from the file's corner, z its elevation, in its unit."""
-        return self.world.centre(cells) + (0.0, 0.0, self.floor)
+        return self.world.centre(cells) + np.array([0.0, 0.0, self.floor])
 
 
 @dataclass(frozen=True, eq=False)

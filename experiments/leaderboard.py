@@ -18,13 +18,13 @@ from typing import Any, Literal, NamedTuple
 import tyro
 
 import agents
+from antgym.console import main, progress
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.planners.threads import thread_count
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed, prepare, problem, trained_argument
-from antgym.console import main, progress
 from experiments.presets import PRESETS, Preset
 
 AGENTS = (

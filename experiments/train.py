@@ -18,8 +18,8 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from antgym.errors import MissingExtraError, ParameterError, nearest
 from antgym.console import progress
+from antgym.errors import MissingExtraError, ParameterError, nearest
 
 CONFIGS = Path(__file__).parent / "configs"
 LIBRARIES = ("antgym", "numpy", "gymnasium", "stable-baselines3", "torch")
