@@ -105,14 +105,14 @@ def build(field: HeightField, levels: int | None, rise: float, fill: float | Non
         raise MapError(f"{field.source}: {missing} heights are missing; give a stand-in with --fill HEIGHT")
     edge = min(field.spacing)
     floor = math.floor(heights.min() / edge) * edge
-    needed = math.ceil((heights.max() - floor + max(rise, 0.0)) / edge) + AIR
-    cells = heights.size * (needed if levels is None else levels)
-    if cells > MAX_CELLS:
+    clearance = rise if math.isfinite(rise) and rise > 0 else 0.0  # any other is refused below
+    count = (heights.max() - floor + clearance) / edge + AIR if levels is None else float(levels)
+    if not heights.size * count <= MAX_CELLS:
         raise MapError(
-            f"{field.source}: {cells:,} cells of edge {edge:g} are more than {MAX_CELLS:,}; heights and spacing "
-            "must share a unit; thin the file, or cut the box with --levels"
+            f"{field.source}: {heights.size} columns of {count:.6g} cells are more than {MAX_CELLS:,} in all; heights "
+            f"and spacing ({edge:g}) must share a unit; thin the file, or cut the box with --levels"
         )
-    world = voxelise(heights - floor, needed if levels is None else levels, (*field.spacing, edge), rise)
+    world = voxelise(heights - floor, math.ceil(count), (*field.spacing, edge), rise)
     return Terrain(world, heights, floor)
 
 

@@ -22,7 +22,11 @@ from antgym.maps.motion import REACH, move_table, step_lengths
 from antgym.maps.world import PAD, Scenario
 
 ROOT = Path(__file__).parents[1]
-SIDE, BLOCKED = 20, 0.25  # of the plane that python-motion-planning plans on
+SIDE, BLOCKED, PLANE_SEED = (
+    20,
+    0.25,
+    1,
+)  # of the plane that python-motion-planning plans on; this one has a way through
 
 
 class Code(NamedTuple):
@@ -190,7 +194,7 @@ def python_motion_planning(workload: Workload) -> Work:
         raise MissingExtraError("python-motion-planning", "bench") from None
     alpha, beta, rho, q = PARAMETERS
     grid = peer.Grid(SIDE + 2, SIDE + 2)
-    blocked = np.argwhere(np.random.default_rng(0).random((SIDE, SIDE)) < BLOCKED) + 1
+    blocked = np.argwhere(np.random.default_rng(PLANE_SEED).random((SIDE, SIDE)) < BLOCKED) + 1
     ends = (1, 1), (SIDE, SIDE)
     grid.update(grid.obstacles | ({(x, y) for x, y in blocked.tolist()} - set(ends)))
     effort = {"n_ants": workload.ants, "max_iter": workload.iterations}
