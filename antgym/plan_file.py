@@ -103,10 +103,10 @@ def build(field: HeightField, levels: int | None, rise: float, fill: float | Non
     if not np.isfinite(heights).all():
         missing = int((~np.isfinite(heights)).sum())
         raise MapError(f"{field.source}: {missing} heights are missing; give a stand-in with --fill HEIGHT")
-    edge = min(field.spacing)
-    floor = math.floor(heights.min() / edge) * edge
+    edge, low, high = min(field.spacing), float(heights.min()), float(heights.max())
     clearance = rise if math.isfinite(rise) and rise > 0 else 0.0  # any other is refused below
-    count = (heights.max() - floor + clearance) / edge + AIR if levels is None else float(levels)
+    floor = low // edge * edge
+    count = (high - floor + clearance) / edge + AIR if levels is None else float(levels)
     if not heights.size * count <= MAX_CELLS:
         raise MapError(
             f"{field.source}: {heights.size} columns of {count:.6g} cells are more than {MAX_CELLS:,} in all; heights "

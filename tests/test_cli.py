@@ -159,8 +159,8 @@ def test_missing_heights_are_filled_only_when_asked():
 
 
 def test_units_that_do_not_match_are_noticed_before_memory_is_taken():
-    for top, spacing in ((9e9, 1e-3), (1e300, 1e-300)):
-        field = HeightField(np.array([[0.0, top], [2.0, 3.0]]), (spacing, spacing), "a.npy")
+    for far, spacing in ((9e9, 1e-3), (1e300, 1e-300), (-1e300, 1e-300)):
+        field = HeightField(np.array([[0.0, far], [2.0, 3.0]]), (spacing, spacing), "a.npy")
         with pytest.raises(MapError, match="must share a unit"):
             plan_file.build(field, None, 0.0, None)
 
