@@ -59,10 +59,12 @@ class Code(NamedTuple):
         return cast(Callable[[Workload], Work], getattr(import_module(module), name))
 
 
+DRAWS = "draws every move, whatever q0"
+
 CODES = (
     Code("antgym", "antgym.bench:our_planner"),
-    Code("plain numba port", "experiments.speed:plain_port"),
-    Code("numpy, ants vectorised", "experiments.rivals:numpy_colony", part=10),
+    Code("plain numba port", "experiments.speed:plain_port", note=DRAWS),
+    Code("numpy, ants vectorised", "experiments.rivals:numpy_colony", part=10, note=DRAWS),
     Code(
         "aco-routing 1.2.1",
         "experiments.rivals:aco_routing",

@@ -261,6 +261,8 @@ def run(arguments: Arguments) -> dict[str, Any]:
         rows = measure(workload, arguments.repeats, arguments.memory)
         figures["rows"] += rows
         console.print(side_by_side(workload, rows, load))
+    if arguments.memory:
+        console.print(f"peak memory of a process that only imports numpy: {figures['memory_baseline_mb']} MB")
     if arguments.growth or arguments.figure is not None:
         base = workloads[0]
         figures["growth"] = growth(base, arguments.repeats)
