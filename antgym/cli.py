@@ -36,7 +36,7 @@ class PlanFile:
     fill: float | None = None
     """Height that stands in for missing ones; without it they are an error."""
     rules: str = "liu2020"
-    """The colony's rules: liu2020 or liu2020-paper."""
+    """The colony's rules; an unknown name lists them all."""
     alpha: float | None = None
     """Weight of the pheromone."""
     beta: float | None = None

@@ -198,7 +198,7 @@ def test_rendering_without_a_mode_says_how_to_get_one(entry):
     ("arguments", "message"),
     [
         ({"splt": "train"}, "unknown environment argument 'splt'; did you mean 'split'"),
-        ({"split": "trein"}, "unknown split 'trian'; did you mean 'train'"),
+        ({"split": "trein"}, "unknown split 'trein'; did you mean 'train'"),
         ({"split": None}, "unknown split None"),
         ({"reward": "gaps"}, "unknown reward 'gaps'; did you mean 'gap'"),
         ({"render_mode": "ansii"}, "unknown render_mode 'ansii'; did you mean 'ansi'"),
