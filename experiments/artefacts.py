@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 import agents
 from agents.graph import TransferGraph, trials_needed
 from agents.static import StaticSetting, race
+from antgym.console import progress
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session, Trial
-from experiments.console import progress
 from experiments.presets import Preset
 from experiments.train import Arguments, train
 

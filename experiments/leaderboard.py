@@ -20,6 +20,7 @@ from typing import Any, Literal, NamedTuple
 import tyro
 
 import agents
+from antgym.console import main, progress
 from antgym.errors import LedgerError, ParameterError
 from antgym.kernels import sources_hash
 from antgym.maps.suites import SuiteItem, load_suite
@@ -28,7 +29,6 @@ from antgym.tuning.agent import Agent, tune
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed, prepare, problem, trained_argument
-from experiments.console import main, progress
 from experiments.presets import PRESETS, Preset
 
 AGENTS = (

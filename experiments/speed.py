@@ -1,20 +1,22 @@
-"""How fast the planner is: CPU time per ant move, as a ratio to a plain port measured in the same run.
+"""How fast the planner is: CPU time per ant move, as a ratio to other codes that take turns with it in the same run.
 
-    python -m experiments.speed
+    python -m experiments.speed --json out/speed.json --figure out/growth.png
 
-These machines are shared: a figure alone says little, a ratio of two codes that take turns says more.
+These machines are shared: a figure alone says little, a ratio of two codes that take turns says more. The peers come
+with ``pip install -e ".[bench]"``; where they are absent their rows say so. An ant colony is never the fastest way to
+a shortest path: the exact planners stand in the table too.
 """
 
 import hashlib
 import inspect
 import json
-import os
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numba
 import numpy as np
@@ -23,53 +25,45 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from antgym.maps.motion import move_table
-from antgym.maps.shaping import voxelise
-from antgym.maps.world import Scenario
-from antgym.planners.colony import plan
-from antgym.planners.rules import Rules
-from experiments.console import main
-
-PARAMETERS = (1.0, 5.0, 0.9, 100.0)
-
-
-class Workload(NamedTuple):
-    """One size of the standard plan: 21 × 21 × 21 mountains, η = 1 / (step + distance to the goal)."""
-
-    name: str
-    ants: int
-    iterations: int
-    q0: float
-
-
-WORKLOADS = (
-    Workload("20x100", 20, 100, 0.0),
-    Workload("30x150", 30, 150, 0.0),
-    Workload("50x200", 50, 200, 0.0),
-    Workload("50x200 q0=.5", 50, 200, 0.5),
+from antgym.bench import (
+    PARAMETERS,
+    Work,
+    Workload,
+    find_workloads,
+    load_average,
+    take_turns,
+    threads,
 )
+from antgym.console import main, parse, write_whole
+from antgym.errors import MissingExtraError, ParameterError
+from antgym.maps.motion import move_table
+from antgym.planners.colony import plan_many
+from experiments.growth import figure, growth, to_table
+from experiments.rivals import CODES, Code, peak_megabytes
+
 GATE = "20x100"
+"""The workload whose ratio to the plain port a slow test guards."""
+BATCH = 32  # plans of a turn where two threads are compared with one
 
 
 @dataclass(frozen=True)
 class Arguments:
-    """Measure the planner beside a plain numba port of the same equations."""
+    """Measure the planner beside a plain numba port, a numpy colony, exact planners and peers."""
 
-    repeats: int = 9
+    repeats: int = 5
     """Turns of each code; the median counts."""
+    workload: tuple[str, ...] = ()
+    """Workloads by name (20x100, 30x150, 50x200, 50x200-greedy); all by default."""
+    memory: bool = True
+    """Whether to measure peak memory, a fresh process for every code."""
+    growth: bool = True
+    """Whether to measure how cost grows with ants, iterations, layers and world."""
+    two_threads: bool = True
+    """Whether to measure what a second thread gains."""
     out: Annotated[Path | None, tyro.conf.arg(name="json")] = None
     """File to write the figures to."""
-
-
-def standard_scenario(size: int = 21) -> Scenario:
-    """Return open mountains: four peaks between start and goal, air above them."""
-    x, y = np.mgrid[0:size, 0:size] * (20 / (size - 1))
-    peaks = ((14, 6, 6, 12), (12, 14, 12, 14), (10, 10, 16, 10), (13, 16, 4, 12))
-    heights = sum(h * np.exp(-((x - px) ** 2 + (y - py) ** 2) / w) for h, px, py, w in peaks)
-    world = voxelise(np.asarray(heights) * 15.0 * (size - 1) / 20, size, (15.0, 15.0, 15.0))
-    middle = size // 2
-    start, goal = ((i, middle, int(world.free[i, middle].argmax())) for i in (0, size - 1))
-    return Scenario(world, start, goal, name="standard")
+    figure: Path | None = None
+    """PNG to draw cost growth into; needs matplotlib."""
 
 
 @numba.njit
@@ -139,63 +133,154 @@ def plain_colony(
     return best, moves
 
 
-def _plain(scenario: Scenario, workload: Workload, seed: int) -> int:
+def plain_port(workload: Workload) -> Work:
+    """Return a turn of the plain port."""
+    scenario = workload.scenario()
     table = move_table(scenario.motion)
     crossed = np.stack([table.before, table.after, table.steps])
     ends = (np.array(scenario.start), np.array(scenario.goal))
-    free = np.ascontiguousarray(scenario.world.free)
-    effort = (workload.ants, workload.iterations, seed)
-    return int(plain_colony(free, crossed, *ends, scenario.world.cell[0], PARAMETERS, *effort)[1])
+    free, cell = np.ascontiguousarray(scenario.world.free), scenario.world.cell[0]
+    effort = (workload.ants, workload.iterations)
+    return lambda seed: int(plain_colony(free, crossed, *ends, cell, PARAMETERS, *effort, seed)[1])
 
 
-def _ours(scenario: Scenario, workload: Workload, seed: int) -> int:
-    rules = Rules(w1=1.0, w2=0.0, q0=workload.q0)
-    done = plan(
-        scenario, PARAMETERS, rules=rules, ants=workload.ants, iterations=workload.iterations, seed=seed
-    )
-    return done.moves
+def plain_digest() -> str:
+    """Return the hash of the plain port's source: ratios to another source are other ratios."""
+    return hashlib.sha256(inspect.getsource(plain_colony.py_func).encode()).hexdigest()[:16]
 
 
-def _nanoseconds(work: Callable[[int], int], seed: int) -> float:
-    begun = time.process_time()
-    moves = work(seed)
-    return (time.process_time() - begun) / moves * 1e9
+@numba.njit(nogil=True)
+def arithmetic(rounds: int) -> float:
+    """Multiply and add in registers: the most that a second thread can gain on this machine now."""
+    value = 0.5
+    for _ in range(rounds):
+        value = 3.7 * value * (1.0 - value)
+    return value
 
 
-def measure(workload: Workload, repeats: int) -> dict[str, Any]:
-    """Let both codes take turns; return CPU nanoseconds per move, the ratio turn by turn, and plans per second."""
-    scenario = standard_scenario()
-    codes: tuple[Callable[[int], int], ...] = (
-        lambda seed: _ours(scenario, workload, seed),
-        lambda seed: _plain(scenario, workload, seed),
-    )
-    moves = [work(0) for work in codes]  # compiles
-    turns = [[_nanoseconds(work, seed) for work in codes] for seed in range(1, repeats + 1)]
-    ours, plain = (median(column) for column in zip(*turns, strict=True))
+def measure(workload: Workload, repeats: int, memory: bool) -> list[dict[str, Any]]:
+    """Let all codes take turns on one thread; return a row each, or the reason why it is skipped."""
+    works: dict[str, Work] = {}
+    rows: list[dict[str, Any]] = []
+    for code in CODES:
+        try:
+            works[code.name] = code.prepare(workload)
+        except MissingExtraError as error:
+            rows.append({"workload": workload.name, "code": code.name, "skipped": str(error)})
+    with threads(1):
+        turns = take_turns(works, repeats)
+        moves = {name: work(1) for name, work in works.items()}
+    ours = [turn.nanoseconds for turn in turns["antgym"]]
+    for code in CODES:
+        if code.name in works:
+            cost = [turn.nanoseconds for turn in turns[code.name]]
+            row: dict[str, Any] = {
+                "workload": workload.name,
+                "code": code.name,
+                "skipped": None,
+                "note": code.note,
+            }
+            row |= _figures(code, workload, cost, ours, moves[code.name])
+            row["peak_mb"] = round(peak_megabytes(code, workload)) if memory else None
+            rows.append(row)
+    return rows
+
+
+def _figures(
+    code: Code, workload: Workload, cost: list[float], ours: list[float], moves: int
+) -> dict[str, float | None]:
+    whole = moves * workload.iterations / code.iterations(workload) if code.moves else 1.0
+    ratio = median(other / own for other, own in zip(cost, ours, strict=True))
     return {
-        "workload": workload.name,
-        "ours_ns": round(ours, 1),
-        "plain_ns": round(plain, 1),
-        "ratio": round(median(plain / ours for ours, plain in turns), 2),
-        "plans_per_second": round(1e9 / (ours * moves[0])),
+        "ns_per_move": round(median(cost), 1) if code.moves else None,
+        "ratio": round(ratio, 2) if code.moves else None,
+        "plans_per_second": round(1e9 / (median(cost) * whole), 3),
     }
 
 
-def run(arguments: Arguments) -> None:
-    """Measure every workload, print the table, write the JSON."""
-    os.environ["ANTGYM_THREADS"] = "1"
-    rows = [measure(workload, arguments.repeats) for workload in WORKLOADS]
-    source = inspect.getsource(plain_colony.py_func)
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    table = Table(title=f"CPU time per ant move, one core, {arguments.repeats} turns (plain port {digest})")
-    for heading in ("ants x iterations", "antgym ns", "plain port ns", "ratio", "plans/s"):
-        table.add_column(heading, justify="right")
+def thread_gain(workload: Workload, repeats: int) -> dict[str, float]:
+    """Return how much more two threads do than one: plan_many, an arithmetic-only kernel, and the share of the two."""
+    scenarios, rules = [workload.scenario()] * BATCH, workload.rules
+    effort: dict[str, Any] = {"ants": workload.ants, "iterations": workload.iterations, "seeds": range(BATCH)}
+    rounds = 20_000_000
+
+    def plans(count: int) -> None:
+        with threads(count):
+            plan_many(scenarios, [PARAMETERS] * BATCH, rules=rules, **effort)
+
+    with ThreadPoolExecutor(2) as pool:
+
+        def sums(count: int) -> None:
+            list(pool.map(arithmetic, [2 * rounds // count] * count))
+
+        walls: list[list[float]] = []
+        for _ in range(repeats + 1):  # the first compiles
+            walls.append([_wall(work, count) for work in (plans, sums) for count in (1, 2)])
+    gains = [(one / two, low / high) for one, two, low, high in walls[1:]]
+    ours, most = (median(column) for column in zip(*gains, strict=True))
+    return {"plan_many": round(ours, 3), "arithmetic": round(most, 3), "share": round(ours / most, 3)}
+
+
+def _wall(work: Callable[[int], None], count: int) -> float:
+    begun = time.perf_counter()
+    work(count)
+    return time.perf_counter() - begun
+
+
+def side_by_side(workload: Workload, rows: list[dict[str, Any]], load: float | None) -> Table:
+    """Return one workload's table."""
+    title = f"{workload.name}, one thread, load average {load} (plain port {plain_digest()})"
+    table = Table(title=title)
+    for heading in ("code", "ns/move", "ratio to ours", "plans/s", "peak MB", "note"):
+        table.add_column(heading, justify="left" if heading in ("code", "note") else "right")
     for row in rows:
-        table.add_row(*(str(value) for value in row.values()))
-    Console().print(table)
+        values = (row.get(name) for name in ("ns_per_move", "ratio", "plans_per_second", "peak_mb"))
+        cells = (
+            "–" if value is None else f"{value:,.4g}" if value < 1e3 else f"{value:,.0f}" for value in values
+        )
+        table.add_row(row["code"], *cells, row["skipped"] or row["note"])
+    return table
+
+
+def run(arguments: Arguments) -> dict[str, Any]:
+    """Measure what is asked for, print the tables, write the files, return the figures."""
+    if arguments.repeats < 1:
+        raise ParameterError(f"repeats = {arguments.repeats}: at least one turn is needed")
+    console = Console(width=None if Console().is_terminal else 160)
+    workloads = find_workloads(arguments.workload)
+    load = load_average()
+    figures: dict[str, Any] = {
+        "plain_port": plain_digest(),
+        "load_average": load,
+        "repeats": arguments.repeats,
+    }
+    figures["rows"] = []
+    if arguments.memory:
+        figures["memory_baseline_mb"] = round(peak_megabytes(None, workloads[0]))
+    for workload in workloads:
+        rows = measure(workload, arguments.repeats, arguments.memory)
+        figures["rows"] += rows
+        console.print(side_by_side(workload, rows, load))
+    if arguments.memory:
+        console.print(f"peak memory of a process that only imports numpy: {figures['memory_baseline_mb']} MB")
+    if arguments.growth or arguments.figure is not None:
+        base = workloads[0]
+        figures["growth"] = growth(base, arguments.repeats)
+        console.print(to_table(figures["growth"], base))
+    if arguments.two_threads:
+        figures["two_threads"] = gain = thread_gain(workloads[-1], arguments.repeats)
+        console.print("two threads over one:", ", ".join(f"{name} {value}" for name, value in gain.items()))
     if arguments.out is not None:
-        arguments.out.write_text(json.dumps({"plain_port": digest, "rows": rows}, indent=2) + "\n")
+        write_whole(arguments.out, (json.dumps(figures, indent=2) + "\n").encode())
+    if arguments.figure is not None:
+        write_whole(arguments.figure, figure(figures["growth"]))
+    return figures
+
+
+def script() -> None:
+    """Run the command line."""
+    run(parse(Arguments, None, "python -m experiments.speed"))
 
 
 if __name__ == "__main__":
-    main(lambda: run(tyro.cli(Arguments)))
+    main(script, interrupted="interrupted")

@@ -22,6 +22,7 @@ from rich.markdown import Markdown
 import agents
 from agents.graph import TransferGraph, trials_needed
 from agents.laplacian import transfers
+from antgym.console import main, progress
 from antgym.errors import MissingExtraError
 from antgym.maps.generators import FAMILIES
 from antgym.maps.world import Scenario
@@ -29,7 +30,6 @@ from antgym.tuning.agent import Agent, tune
 from antgym.tuning.problem import COST_CAP, TuningProblem
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed
-from experiments.console import main, progress
 
 MAPS, SIDE = 6, 21
 DETOUR = 1.3  # of the optimum over the straight line; the paper's 148.66 mm over nine layers is 1.10

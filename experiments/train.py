@@ -18,8 +18,8 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from antgym.console import progress
 from antgym.errors import MissingExtraError, ParameterError, nearest
-from experiments.console import progress
 
 CONFIGS = Path(__file__).parent / "configs"
 LIBRARIES = ("antgym", "numpy", "gymnasium", "stable-baselines3", "torch")
@@ -110,6 +110,6 @@ def _save(model: Any, out: Path, card: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    from experiments.console import main
+    from antgym.console import main
 
     main(lambda: print(json.dumps(train(tyro.cli(Arguments)), indent=2)))

@@ -55,6 +55,7 @@ def commands(text, out):
             command = part.strip()
             if command and not command.startswith("#") and not any(words in command for words in CI_DOES):
                 command = re.sub(r"^(\.venv/bin/)?python3? ", f"{sys.executable} ", command)
+                command = re.sub(r"^(\.venv/bin/)?antgym ", f"{sys.executable} -m antgym.cli ", command)
                 command = re.sub(r"--preset \w+", "--preset smoke", command)
                 yield re.sub(r"\bout/", f"{out}/", command)
 
@@ -112,6 +113,10 @@ def test_shell_block_runs(block, tmp_path):
 def test_set_up_is_left_out_and_the_rest_is_made_small():
     line = "$ python3 -m venv .venv && .venv/bin/pip install -e . && .venv/bin/python -m a --preset quick --out out/b\n"
     assert list(commands(line, "/tmp")) == [f"{sys.executable} -m a --preset smoke --out /tmp/b"]
+
+
+def test_the_console_script_is_run_as_a_module():
+    assert list(commands(".venv/bin/antgym envs\n", "/tmp")) == [f"{sys.executable} -m antgym.cli envs"]
 
 
 def test_a_long_block_and_its_line_are_noticed():

@@ -1,0 +1,184 @@
+"""How fast the planner is: the standard workloads, and the clock that every code under comparison is given.
+
+``antgym bench`` prints the short version; ``experiments/speed.py`` lets other codes take turns with ours. These
+machines are shared: a figure alone says little, a ratio of two codes that take turns says more.
+"""
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from statistics import median
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from antgym.errors import ParameterError, nearest
+from antgym.maps.shaping import voxelise
+from antgym.maps.world import Scenario
+from antgym.planners.rules import Rules
+
+PARAMETERS = (1.0, 5.0, 0.9, 100.0)
+"""α, β, ρ and Q of every workload."""
+
+Work = Callable[[int], int]
+"""One timed turn: takes a seed, returns how many moves its ants made (1 for a code without ants)."""
+
+
+class Workload(NamedTuple):
+    """One plan over the standard mountains, η = 1 / (step + distance to the goal).
+
+    Attributes:
+        name: how tables and ``--workload`` call it.
+        ants, iterations: effort.
+        q0: probability of the greedy move.
+        size: cells along y and z.
+        layers: moves of a path; by default ``size - 1``, a cube.
+    """
+
+    name: str
+    ants: int
+    iterations: int
+    q0: float = 0.0
+    size: int = 21
+    layers: int | None = None
+
+    @property
+    def rules(self) -> Rules:
+        """The rules of this workload."""
+        return Rules(w1=1.0, w2=0.0, q0=self.q0)
+
+    def scenario(self) -> Scenario:
+        """Return the mountains of this workload."""
+        return standard_scenario(self.size, self.layers)
+
+
+WORKLOADS = (
+    Workload("20x100", 20, 100),
+    Workload("30x150", 30, 150),
+    Workload("50x200", 50, 200),
+    Workload("50x200-greedy", 50, 200, q0=0.5),
+)
+TINY = Workload("tiny", 3, 4, size=9)
+"""For trying things out; no table shows it unless asked."""
+
+
+def find_workloads(names: "tuple[str, ...]") -> tuple[Workload, ...]:
+    """Return workloads by name, all of the standard ones for no name; ParameterError names what is unknown."""
+    known = {workload.name: workload for workload in (*WORKLOADS, TINY)}
+    for name in names:
+        if name not in known:
+            raise ParameterError(f"unknown workload {name!r}; {nearest(name, tuple(known))}")
+    return tuple(known[name] for name in names) or WORKLOADS
+
+
+def standard_scenario(size: int = 21, layers: int | None = None) -> Scenario:
+    """Return open mountains: four peaks between start and goal, air above them.
+
+    Args:
+        size: cells along y and z, at least 5.
+        layers: moves from start to goal, at least 1; ``size - 1`` by default. More of them stretch the mountains.
+    """
+    length = size if layers is None else layers + 1
+    x, y = np.mgrid[0:length, 0:size] * (20 / np.array([length - 1, size - 1]))[:, None, None]
+    peaks = ((14, 6, 6, 12), (12, 14, 12, 14), (10, 10, 16, 10), (13, 16, 4, 12))
+    heights = sum(h * np.exp(-((x - px) ** 2 + (y - py) ** 2) / w) for h, px, py, w in peaks)
+    world = voxelise(np.asarray(heights) * 15.0 * (size - 1) / 20, size, (15.0, 15.0, 15.0))
+    middle = size // 2
+    start, goal = ((i, middle, int(world.free[i, middle].argmax())) for i in (0, length - 1))
+    return Scenario(world, start, goal, name="standard")
+
+
+def our_planner(workload: Workload) -> Work:
+    """Return a turn of antgym's own planner."""
+    from antgym.planners.colony import plan  # brings numba, which the memory of another code must not count
+
+    scenario, rules = workload.scenario(), workload.rules
+    effort = {"ants": workload.ants, "iterations": workload.iterations}
+    return lambda seed: plan(scenario, PARAMETERS, rules=rules, seed=seed, **effort).moves
+
+
+def our_optimum(workload: Workload) -> Work:
+    """Return a turn of the exact planner: dynamic programming over the layers."""
+    from antgym.maps.optimum import shortest_length
+
+    scenario = workload.scenario()
+
+    def work(_: int) -> int:
+        shortest_length(scenario)
+        return 1
+
+    return work
+
+
+class Turn(NamedTuple):
+    """CPU seconds of one turn and the moves it made."""
+
+    seconds: float
+    moves: int
+
+    @property
+    def nanoseconds(self) -> float:
+        """CPU nanoseconds per move."""
+        return self.seconds / self.moves * 1e9
+
+
+def take_turns(codes: Mapping[str, Work], repeats: int, least: float = 0.0) -> dict[str, list[Turn]]:
+    """Time codes in turn, ``repeats`` turns each after one that compiles and does not count.
+
+    Args:
+        codes: a turn each, by name.
+        repeats: turns, at least 1.
+        least: CPU seconds a turn lasts at least; a short work is done several times over, with other seeds.
+    """
+    for work in codes.values():
+        work(0)
+    turns: dict[str, list[Turn]] = {name: [] for name in codes}
+    for seed in range(1, repeats + 1):
+        for name, work in codes.items():
+            turns[name].append(_turn(work, 1_000 * seed, least))
+    return turns
+
+
+def _turn(work: Work, seed: int, least: float) -> Turn:
+    moves, begun = 0, time.process_time()
+    while True:
+        moves += work(seed)
+        spent = time.process_time() - begun
+        if spent > least:
+            return Turn(spent, moves)
+        seed += 1
+
+
+@contextmanager
+def threads(count: int) -> Iterator[None]:
+    """Let the planner use ``count`` threads inside the block."""
+    before = os.environ.get("ANTGYM_THREADS")
+    os.environ["ANTGYM_THREADS"] = str(count)
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["ANTGYM_THREADS"]
+        else:
+            os.environ["ANTGYM_THREADS"] = before
+
+
+def measure(workload: Workload, repeats: int) -> dict[str, Any]:
+    """Return one row of ``antgym bench``: medians over ``repeats`` turns on one thread."""
+    codes = {"antgym": our_planner(workload), "exact": our_optimum(workload)}
+    with threads(1):
+        turns = take_turns(codes, repeats, least=0.02)
+        moves = codes["antgym"](1)
+    nanoseconds = median(turn.nanoseconds for turn in turns["antgym"])
+    return {
+        "workload": workload.name,
+        "ns_per_move": round(nanoseconds, 1),
+        "plans_per_second": round(1e9 / (nanoseconds * moves), 1),
+        "exact_plans_per_second": round(1e9 / median(turn.nanoseconds for turn in turns["exact"]), 1),
+    }
+
+
+def load_average() -> float | None:
+    """Return the machine's load over the last minute, None where it is not told."""
+    return round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None

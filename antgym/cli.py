@@ -1,0 +1,162 @@
+"""The command ``antgym``: plan a map of one's own, list the environments, measure the planner.
+
+Exit codes: 0 done, 1 no ant arrived, 2 unusable input (one line says what and what to do), 130 stopped by Ctrl-C.
+Everything heavy is imported by the subcommand that needs it, so that ``antgym --help`` is quick.
+"""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from antgym import console
+
+
+@dataclass(frozen=True)
+class PlanFile:
+    """Plan a path over an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
+
+    Cells are as wide as the file's spacing, and as high. The path advances one cell along x per move. Parameters
+    left out take the published default of the rules.
+    """
+
+    file: tyro.conf.Positional[Path]
+    """Elevation file; heights and spacing in one unit."""
+    start: tuple[int, ...]
+    """Cell x y z, counted from 0; x y alone stands on the surface."""
+    goal: tuple[int, ...]
+    """Cell x y z or x y, at a larger x than the start."""
+    levels: int | None = None
+    """Cells along z; by default as many as the relief and some air above need."""
+    rise: float = 0.0
+    """Clearance: how far the surface is raised, in the file's unit."""
+    fill: float | None = None
+    """Height that stands in for missing ones; without it they are an error."""
+    rules: str = "liu2020"
+    """The colony's rules; an unknown name lists them all."""
+    alpha: float | None = None
+    """Weight of the pheromone."""
+    beta: float | None = None
+    """Weight of the heuristic; smaller is less greedy."""
+    rho: float | None = None
+    """Persistence of the pheromone per iteration."""
+    Q: float | None = None
+    """Deposit constant."""
+    ants: int = 20
+    """Ants per iteration."""
+    iterations: int = 100
+    """Iterations."""
+    seed: int = 0
+    """The same seed gives the same path on every machine."""
+    out: Path | None = None
+    """Write OUT.csv, OUT.json and OUT.png."""
+    picture: bool = True
+    """Whether OUT.png is among them; it needs matplotlib."""
+
+
+@dataclass(frozen=True)
+class Envs:
+    """List the registered environments: id, entry points, sizes of action and observation."""
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Measure the planner: CPU time per ant move on one thread, beside the exact planner.
+
+    The comparison with other codes is experiments/speed.py, in a checkout.
+    """
+
+    workload: tuple[str, ...] = ()
+    """Workloads by name; all by default."""
+    repeats: int = 5
+    """Turns; the median counts."""
+    json: Path | None = None
+    """File to write the figures to."""
+
+
+Command = (
+    Annotated[PlanFile, tyro.conf.subcommand("plan")]
+    | Annotated[Envs, tyro.conf.subcommand("envs")]
+    | Annotated[Bench, tyro.conf.subcommand("bench")]
+)
+
+
+def envs(_: Envs) -> int:
+    """Print the table of environments."""
+    import gymnasium
+    from rich.table import Table
+
+    from antgym.envs.catalogue import CATALOGUE
+
+    table = Table(title="Environments: gymnasium.make(id)")
+    for heading in ("id", "entry point", "vector entry point", "action", "observation"):
+        table.add_column(heading, overflow="fold")
+    for entry in CATALOGUE:
+        env = gymnasium.make(entry.id)
+        sizes = (str(space.shape) for space in (env.action_space, env.observation_space))
+        table.add_row(entry.id, entry.entry_point, entry.vector_entry_point, *sizes)
+        env.close()
+    _print(table)
+    return 0
+
+
+def bench(arguments: Bench) -> int:
+    """Measure the workloads, print the table, write the JSON."""
+    import json
+
+    from rich.table import Table
+
+    from antgym import bench
+    from antgym.errors import ParameterError
+
+    if arguments.repeats < 1:
+        raise ParameterError(f"repeats = {arguments.repeats}: at least one turn is needed")
+    rows = [
+        bench.measure(workload, arguments.repeats) for workload in bench.find_workloads(arguments.workload)
+    ]
+    load = bench.load_average()
+    table = Table(
+        title=f"Mountains 21³, one thread, median of {arguments.repeats} turns, load average {load}"
+    )
+    for heading in ("ants x iterations", "ns/move", "plans/s", "exact plans/s"):
+        table.add_column(heading, justify="right")
+    for row in rows:
+        table.add_row(*(f"{value:,}" if isinstance(value, float) else str(value) for value in row.values()))
+    _print(table)
+    if arguments.json is not None:
+        figures = {"load_average": load, "repeats": arguments.repeats, "rows": rows}
+        console.write_whole(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
+    return 0
+
+
+def plan(arguments: PlanFile) -> int:
+    """Plan the file, print what was found, write the files."""
+    from antgym.plan_file import plan_file
+
+    return plan_file(arguments)
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run one command line and return its exit code; raises AntgymError for unusable input."""
+    command = console.parse(Command, arguments, "antgym")
+    if isinstance(command, PlanFile):
+        return plan(command)
+    return envs(command) if isinstance(command, Envs) else bench(command)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the console script."""
+    console.main(lambda: sys.exit(run(arguments)), interrupted="interrupted")
+
+
+def _print(table: object) -> None:
+    from rich.console import Console
+
+    Console(width=None if Console().is_terminal else 160).print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,82 @@
+"""What every script's terminal face shares: a progress bar, errors as one line, files written as a whole."""
+
+import io
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr
+from pathlib import Path
+from typing import Any
+
+from antgym.errors import AntgymError
+
+RESUMES = "interrupted; the same command goes on where this one stopped"
+_BOX = "╭╮╰╯│─"
+
+
+@contextmanager
+def progress(title: str, total: int | None) -> Iterator[Callable[[int], None]]:
+    """Show a bar on stderr while the block runs; yields the function that advances it. No total: it pulses."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(title, total=total)
+        yield lambda steps: bar.advance(task, steps)
+
+
+def main(script: Callable[[], None], interrupted: str = RESUMES) -> None:
+    """Run a script: an AntgymError is one line and exit code 2, Ctrl-C the words of ``interrupted`` and 130."""
+    try:
+        script()
+    except AntgymError as error:
+        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print(interrupted, file=sys.stderr)
+        sys.exit(130)
+
+
+def parse(kind: Any, arguments: Sequence[str] | None, prog: str) -> Any:
+    """Let tyro read a command line; what is wrong with it is one line, as every other error is.
+
+    Raises:
+        AntgymError: if the arguments cannot be used, with tyro's own words.
+        SystemExit: after ``--help``.
+    """
+    import tyro
+
+    said = io.StringIO()
+    try:
+        with redirect_stderr(said):
+            return tyro.cli(kind, args=arguments, prog=prog)
+    except SystemExit as exit_:
+        if exit_.code in (None, 0):
+            raise
+        raise AntgymError(_first_words(said.getvalue(), prog)) from None
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file that is either there as a whole or not at all; its folder is made.
+
+    Raises:
+        AntgymError: if it cannot be written.
+    """
+    scratch = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            scratch.write_bytes(data)
+            os.replace(scratch, path)
+        finally:
+            scratch.unlink(missing_ok=True)
+    except OSError as error:
+        raise AntgymError(f"{path} cannot be written: {error.strerror or error}") from None
+
+
+def _first_words(box: str, prog: str) -> str:
+    """Return what a box of tyro says above its first rule, as one line."""
+    lines = [line.strip(_BOX + " ") for line in box.splitlines()[1:]]
+    words = " ".join(lines[: lines.index("")] if "" in lines else lines).split()
+    return f"{' '.join(words) or 'the arguments cannot be used'} (see {prog} --help)"

@@ -1,0 +1,161 @@
+"""The benchmark: every code gives figures, the plain port is the pinned one, and ours is well ahead of it.
+
+The gate of the issue is a ratio of 15 on a quiet machine (18 to 20 measured); the slow test asks for 5 from a single
+turn, as the machines that run it are shared and noisy.
+"""
+
+import importlib.util
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from antgym import bench
+from antgym.errors import AntgymError, MissingExtraError, ParameterError
+from antgym.maps.optimum import shortest_length
+from antgym.planners.colony import plan
+from experiments import growth, rivals, speed
+
+ROOT = Path(__file__).parents[2]
+PINNED = "ded15506e5184388"
+PEERS = {"aco-routing 1.2.1": "aco_routing", "python-motion-planning 1.1.1": "python_motion_planning"}
+SMALL = bench.Workload("small", 10, 20, size=9)
+
+
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory):
+    """What a tiny run of the script returns and writes."""
+    file = tmp_path_factory.mktemp("speed") / "new" / "speed.json"
+    arguments = speed.Arguments(1, ("tiny",), growth=False, two_threads=False, out=file)
+    returned = speed.run(arguments)
+    assert json.loads(file.read_text()) == returned
+    return returned
+
+
+def test_every_code_gives_finite_positive_figures_or_a_reason(figures):
+    assert {row["code"] for row in figures["rows"]} == {code.name for code in rivals.CODES}
+    for row in figures["rows"]:
+        if row["skipped"] is None:
+            values = [row[name] for name in ("ns_per_move", "ratio", "plans_per_second", "peak_mb")]
+            assert all(value is None or (math.isfinite(value) and value > 0) for value in values), row
+            assert row["plans_per_second"] is not None
+            assert row["peak_mb"] is not None
+
+
+def test_an_absent_peer_is_skipped_with_its_cure(figures):
+    skipped = {row["code"]: row["skipped"] for row in figures["rows"] if row["skipped"]}
+    absent = {name for name, module in PEERS.items() if importlib.util.find_spec(module) is None}
+    assert set(skipped) == absent
+    assert all("antgym[bench]" in reason for reason in skipped.values())
+
+
+def test_our_own_ratio_is_one(figures):
+    assert next(row["ratio"] for row in figures["rows"] if row["code"] == "antgym") == 1.0
+
+
+def test_the_plain_port_is_the_pinned_one(figures):
+    """Another source is another yardstick: whoever changes it says so, and old ratios do not compare."""
+    assert speed.plain_digest() == figures["plain_port"] == PINNED
+
+
+@pytest.mark.slow
+def test_our_planner_is_well_ahead_of_the_plain_port():
+    rows = speed.measure(bench.find_workloads((speed.GATE,))[0], repeats=1, memory=False)
+    assert next(row["ratio"] for row in rows if row["code"] == "plain numba port") >= 5
+
+
+def test_codes_walk_about_as_many_moves_as_ours():
+    """The same equations on the same map: what dies on the way is a matter of chance, not of the code."""
+    ours = bench.our_planner(SMALL)(1)
+    for code in (speed.plain_port, rivals.numpy_colony):
+        assert 0.9 < code(SMALL)(1) / ours < 1.1
+
+
+def test_the_layered_graph_holds_the_exact_optimum():
+    from scipy.sparse import csgraph, csr_array
+
+    scenario = SMALL.scenario()
+    sources, targets, lengths = rivals.layered_graph(scenario)
+    count = scenario.world.free.size
+    graph = csr_array((lengths, (sources, targets)), shape=(count, count))
+    start, goal = (
+        int(np.ravel_multi_index(c, scenario.world.shape)) for c in (scenario.start, scenario.goal)
+    )
+    assert csgraph.dijkstra(graph, indices=start)[goal] == pytest.approx(shortest_length(scenario))
+
+
+@pytest.mark.parametrize("name", PEERS)
+def test_a_peer_says_how_to_install_it(name, monkeypatch):
+    monkeypatch.setitem(sys.modules, PEERS[name], None)
+    code = next(code for code in rivals.CODES if code.name == name)
+    with pytest.raises(MissingExtraError, match=r"antgym\[bench\]"):
+        code.prepare(SMALL)
+
+
+def test_cost_growth_is_a_table_and_a_picture():
+    rows = growth.growth(bench.TINY, repeats=1)
+    assert [row["axis"] for row in rows] == list(growth.AXES)
+    assert all(row["ratio"][0] == 1.0 and min(row["ns_per_move"]) > 0 for row in rows)
+    assert growth.to_table(rows, bench.TINY).row_count == len(growth.AXES)
+    pytest.importorskip("matplotlib")
+    assert growth.figure(rows).startswith(b"\x89PNG")
+
+
+def test_each_axis_grows_what_it_says():
+    base = bench.WORKLOADS[0]
+    worlds = {axis: growth.grown(base, axis, 2).scenario().world.shape for axis in growth.AXES}
+    assert worlds == {"ants": (21,) * 3, "iterations": (21,) * 3, "layers": (41, 21, 21), "world": (41,) * 3}
+    assert growth.grown(base, "ants", 8).ants == 8 * base.ants
+    assert growth.grown(base, "iterations", 8).iterations == 8 * base.iterations
+
+
+def test_a_second_thread_is_compared_with_arithmetic(monkeypatch):
+    monkeypatch.setattr(speed, "BATCH", 4)
+    gain = speed.thread_gain(bench.TINY, repeats=1)
+    assert all(math.isfinite(value) and value > 0 for value in gain.values())
+
+
+def test_threads_are_put_back(monkeypatch):
+    monkeypatch.delenv("ANTGYM_THREADS", raising=False)
+    with bench.threads(2):
+        assert bench.os.environ["ANTGYM_THREADS"] == "2"
+    assert "ANTGYM_THREADS" not in bench.os.environ
+
+
+def test_turns_alternate_and_each_has_its_own_seed():
+    heard = []
+    codes = {name: lambda seed, name=name: heard.append((name, seed)) or 1 for name in "ab"}
+    bench.take_turns(codes, 2)
+    assert [name for name, _ in heard] == list("ababab")
+    assert len({seed for name, seed in heard if name == "a"}) == 3
+
+
+def test_every_workload_is_solved():
+    for workload in bench.WORKLOADS:
+        found = plan(workload.scenario(), bench.PARAMETERS, rules=workload.rules, ants=5, iterations=5)
+        assert found.solved
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (speed.Arguments(workload=("20x10",)), "did you mean '20x100'"),
+        (speed.Arguments(repeats=0), "repeats = 0"),
+    ],
+)
+def test_bad_input_is_an_error(arguments, message):
+    with pytest.raises(ParameterError, match=message) as caught:
+        speed.run(arguments)
+    assert isinstance(caught.value, AntgymError)
+
+
+def test_the_script_says_what_is_wrong_in_one_line():
+    command = [sys.executable, "-m", "experiments.speed", "--repeats", "some"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1
