@@ -10,7 +10,7 @@ from antgym.errors import AntgymError
 
 if TYPE_CHECKING:
     from antgym.maps.readers import jacksboro, read_heights
-    from antgym.maps.shaping import voxelise
+    from antgym.maps.shaping import fill_missing, voxelise
     from antgym.maps.suites import load_suite
     from antgym.maps.world import GridWorld, Scenario
     from antgym.planners.colony import Colony, plan, plan_many
@@ -28,6 +28,7 @@ _HOMES = {
     "Scenario": "antgym.maps.world",
     "Session": "antgym.tuning.session",
     "TuningProblem": "antgym.tuning.problem",
+    "fill_missing": "antgym.maps.shaping",
     "jacksboro": "antgym.maps.readers",
     "load_suite": "antgym.maps.suites",
     "plan": "antgym.planners.colony",
@@ -45,6 +46,7 @@ __all__ = [
     "Scenario",
     "Session",
     "TuningProblem",
+    "fill_missing",
     "jacksboro",
     "load_suite",
     "plan",

@@ -20,6 +20,7 @@ from typing import Any, Literal, NamedTuple
 import tyro
 
 import agents
+import antgym
 from antgym.console import main, progress
 from antgym.errors import LedgerError, ParameterError
 from antgym.kernels import sources_hash
@@ -162,7 +163,7 @@ def run_board(arguments: Arguments) -> Path:
     suite = load_suite(SUITE, SPLIT)
     items = suite[: preset.scenarios]
     config = {
-        "kernels": sources_hash(),
+        "sources": _sources(),
         "preset": arguments.preset,
         **preset._asdict(),
         "suite": SUITE,
@@ -188,13 +189,20 @@ def run_board(arguments: Arguments) -> Path:
 
 
 def _versions(names: Sequence[str]) -> dict[str, str]:
-    import antgym
-
     found = {"antgym": antgym.__version__, "kernels": sources_hash(), "python": platform.python_version()}
     found.update({name: version(name) for name in ("gymnasium", "matplotlib", "numba", "scipy")})
     for name in names:
         found.update(agents.versions(name))
     return found
+
+
+def _sources() -> str:
+    """Return the hash of all code that decides a trial: a board goes on only with what it was begun with."""
+    root, digest = Path(__file__).parents[1], hashlib.sha256()
+    for folder in (Path(antgym.__file__).parent, root / "agents"):
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _digest(path: Path) -> str:

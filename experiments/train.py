@@ -19,6 +19,7 @@ import numpy as np
 import tyro
 
 from antgym.console import progress
+from antgym.envs.catalogue import CATALOGUE
 from antgym.errors import MissingExtraError, ParameterError, nearest
 
 CONFIGS = Path(__file__).parent / "configs"
@@ -33,7 +34,7 @@ class Arguments:
     """PPO, SAC or TD3; its settings are a table of the configuration file."""
     env: Annotated[str, tyro.conf.Positional] = "antgym/MountainOneShot-v0"
     """Id of the environment; its train split is used."""
-    evaluations: int = 20_000
+    evaluations: int = 64_000
     """Planner runs to spend."""
     seed: int = 0
     """Root seed of networks, scenarios and planner."""
@@ -45,6 +46,13 @@ class Arguments:
 
 def train(arguments: Arguments) -> dict[str, Any]:
     """Train, save, and return the card; an interrupted training leaves nothing behind."""
+    if arguments.evaluations < 1:
+        raise ParameterError(
+            f"evaluations = {arguments.evaluations}: training needs at least one planner run"
+        )
+    known = tuple(entry.id for entry in CATALOGUE)
+    if arguments.env not in known:
+        raise ParameterError(f"unknown environment {arguments.env!r}; {nearest(arguments.env, known)}")
     stable_baselines3 = _library()
     settings = _settings(arguments.config, arguments.algorithm)
     from antgym.envs.sb3 import make_sb3_vec

@@ -124,6 +124,6 @@ def _finite(heights: ArrayLike) -> NDArray[np.float64]:
         i, j = missing[0].tolist()
         raise MapError(
             f"{len(missing)} of {array.size} heights are missing or infinite, the first is {array[i, j]} at "
-            f"[{i}, {j}]; replace them first with fill_missing(heights, value)"
+            f"[{i}, {j}]; replace them first with antgym.fill_missing(heights, value)"
         )
     return array

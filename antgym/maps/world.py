@@ -2,8 +2,10 @@
 
 import hashlib
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import index
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,7 +97,7 @@ class Scenario:
 
     def __post_init__(self) -> None:
         for label in ("start", "goal"):
-            cell = tuple(int(i) for i in getattr(self, label))
+            cell = _whole_cell(getattr(self, label), label)
             if len(cell) == 2 and self.world.shape[2] == 1:
                 cell = (*cell, 0)
             object.__setattr__(self, label, cell)
@@ -150,6 +152,15 @@ class Scenario:
     def with_motion(self, motion: Motion) -> "Scenario":
         """Return the same question under another motion rule."""
         return replace(self, motion=motion)
+
+
+def _whole_cell(cell: Sequence[int], label: str) -> tuple[int, ...]:
+    try:
+        return tuple(index(i) for i in cell)
+    except TypeError:
+        raise ScenarioError(
+            f"{label} = {cell!r}: a cell is whole indices (x, y, z), counted from 0"
+        ) from None
 
 
 def _require_free(world: GridWorld, cell: tuple[int, ...], label: str) -> None:

@@ -174,8 +174,9 @@ class Ledger:
             )
         if found["config"] != config:
             keys = sorted(k for k in {*found["config"], *config} if found["config"].get(k) != config.get(k))
+            then = "; ".join(f"{key}: {found['config'].get(key)}, now {config.get(key)}" for key in keys)
             raise LedgerError(
-                f"{self.folder} was begun with another {', '.join(keys)}; use another folder or the same settings"
+                f"{self.folder} was begun with other settings ({then}); use another folder, or what it was begun with"
             )
         return found
 

@@ -118,7 +118,7 @@ def test_a_board_goes_on_with_what_is_missing(board):
 
 def test_another_set_of_agents_needs_another_folder(board):
     board()
-    with pytest.raises(LedgerError, match="begun with another agents"):
+    with pytest.raises(LedgerError, match=r"begun with other settings .agents: "):
         board(agents=AGENTS[:1])
 
 

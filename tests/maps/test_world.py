@@ -210,3 +210,9 @@ def test_a_copy_is_the_same_question_and_read_only_too(duplicate):
     arrays = (again.world.free, again.world.storage, again.descriptors)
     assert not any(array.flags.writeable for array in arrays)
     assert np.shares_memory(again.world.free, again.world.storage)
+
+
+@pytest.mark.parametrize("start", [(0, 1.9, 2), ("0", 1, 2), None])
+def test_a_cell_that_is_no_whole_indices_is_refused(start):
+    with pytest.raises(ScenarioError, match=r"start = .*whole indices"):
+        Scenario(GridWorld(np.ones((4, 4, 4), bool)), start, (3, 1, 1))

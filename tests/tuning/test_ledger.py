@@ -263,7 +263,7 @@ def test_another_process_on_the_folder_is_refused(tmp_path):
 def test_a_folder_begun_with_another_config_is_refused_by_what_differs(tmp_path):
     with opened(tmp_path):
         pass
-    with pytest.raises(LedgerError, match="begun with another budget, seeds; use another folder"):
+    with pytest.raises(LedgerError, match=r"begun with other settings .budget: .*; seeds: "):
         opened(tmp_path, {"budget": 10, "maps": ["a"], "seeds": 3})
 
 
