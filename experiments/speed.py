@@ -24,6 +24,7 @@ import tyro
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from antgym.bench import (
     PARAMETERS,
@@ -238,7 +239,7 @@ def side_by_side(workload: Workload, rows: list[dict[str, Any]], load: float | N
         cells = (
             "–" if value is None else f"{value:,.4g}" if value < 1e3 else f"{value:,.0f}" for value in values
         )
-        table.add_row(row["code"], *cells, row["skipped"] or row["note"])
+        table.add_row(row["code"], *cells, Text(row["skipped"] or row["note"]))
     return table
 
 
