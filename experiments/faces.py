@@ -11,6 +11,7 @@ import numpy as np
 from rich.console import Console
 
 import agents
+from antgym.console import write_whole
 from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, Outcome
@@ -44,7 +45,7 @@ def show(
         picture=_picture(contest, ledger, items[_most_telling(rows)]),
     )
     Console(width=160 if not Console().is_terminal else None).print(to_table(board))
-    (folder / "board.md").write_text(to_markdown(board) + "\n", encoding="utf-8")
+    write_whole(folder / "board.md", (to_markdown(board) + "\n").encode())
     page = folder / "index.html"
     write_page(board, page)
     return page

@@ -48,8 +48,7 @@ def with_more_rows(buffers: Buffers) -> Buffers:
     nodes = _new_nodes(2 * len(old.cell))
     for name in set(Nodes._fields) - {"table", "scratch"}:
         getattr(nodes, name)[:count] = getattr(old, name)[:count]
-    with np.errstate(over="ignore"):  # interpreted, the hash's wrap-around would warn
-        rehash(nodes, count)
+    rehash(nodes, count)
     return buffers._replace(nodes=nodes)
 
 

@@ -26,12 +26,14 @@ class Plans:
     Attributes:
         lengths: (B,) float64 in world units, inf where no ant arrived.
         moves: (B,) int64, moves that all ants of a run made.
+        seeds: (B,) uint64, what each was planned with.
     """
 
     def __init__(self, batch: "Batch", first: int, last: int) -> None:
         self._batch, self._first = batch, first
         self.lengths = batch.lengths[first:last]
         self.moves = batch.made[first:last]
+        self.seeds: NDArray[np.uint64] = batch.runs["key"][first:last]
 
     def __len__(self) -> int:
         return len(self.lengths)
@@ -151,9 +153,7 @@ class Colony:
         if before != (run.alpha, run.beta) and self.done:
             forget_weights(self._buffers.nodes, self._buffers.trail)
         until = self.done + iterations
-        with np.errstate(
-            over="ignore"
-        ):  # interpreted, the wrap-around of random numbers and hashes would warn
+        with np.errstate(over="ignore"):  # interpreted, random numbers and hashes wrap around
             while self._walk(run, until) < until:
                 self._buffers = with_more_rows(self._buffers)
 

@@ -185,7 +185,7 @@ def incumbent(trials: Sequence[Trial]) -> tuple[tuple[float, ...], float]:
 
 def _records(problem: TuningProblem, units: NDArray[np.float64], plans: Plans, first: int) -> list[Record]:
     costs = problem.cost(plans.lengths).tolist()
-    seeds = problem.seeds(TRIAL, first, len(units)).tolist()
+    seeds = plans.seeds.tolist()
     return [
         Record(
             Trial(first + i, tuple(unit), costs[i], int(plans.moves[i])), float(plans.lengths[i]), seeds[i]
