@@ -35,6 +35,16 @@ def random_scenario(seed, size=7, blocked=0.3, check_segments=True, cell=(15.0, 
     )
 
 
+def random_grid(seed, motion, size=8, blocked=0.25, cell=(15.0, 15.0, 15.0)):
+    """Random cells under a grid motion, start and goal in opposite corners; a path may or may not exist."""
+    rng = np.random.default_rng(seed)
+    shape = (size, size, size if motion.name == "grid26" else 1)
+    free = rng.random(shape) >= blocked
+    start, goal = (0, 0, 0), tuple(n - 1 for n in shape)
+    free[start] = free[goal] = True
+    return Scenario(GridWorld(free, cell), start, goal, motion, name=f"{motion.name}-{seed}")
+
+
 @pytest.fixture
 def valley():
     """A 9 x 9 x 9 world with one mountain in the middle; solvable."""

@@ -2,10 +2,11 @@
 
 ``plan`` walks the same ants as the compiled colony, bit for bit, one ant after the other and one move after the
 other, driven by the same ``Rules``; it shares only the random numbers and the float32 logarithm and power with it.
-``textbook`` is the colony as the equations print it, in float64, with its own random numbers: the two agree in
+``Textbook`` is the colony as the equations print it, in float64, with its own random numbers: the two agree in
 distribution. ``shortest`` enumerates.
 """
 
+from itertools import pairwise, product
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,6 +16,7 @@ from antgym.maps.motion import REACH
 from antgym.planners.rules import find_rules
 
 F = np.float32
+FLOOR = 2.0**-1000
 
 
 def log2(x):
@@ -33,8 +35,22 @@ def draw(seed, counter):
     return np.uint64(rng.draw(np.uint64(seed), np.uint64(counter)))
 
 
-STEPS = [(1, dy, dz) for dy in range(-2, 3) for dz in range(-2, 3)]
+LAYERED = [(1, dy, dz) for dy in range(-2, 3) for dz in range(-2, 3)]
+AROUND = [step for step in product((-1, 0, 1), repeat=3) if any(step)]
 LANE_MAJOR = [8 * depth + lane for lane in range(8) for depth in range(4)]  # the kernel's order of summation
+
+
+def steps_of(motion):
+    """The moves of a motion, in the kernel's order: straight ones first."""
+    if motion.layered:
+        return LAYERED
+    axes, most = {"grid4": (2, 1), "grid8": (2, 2), "grid26": (3, 3)}[motion.name]
+    steps = [s for s in AROUND if not any(s[axes:]) and sum(map(abs, s)) <= most]
+    return sorted(steps, key=lambda step: sum(map(abs, step)))
+
+
+def end_of(cell, step):
+    return tuple(c + s for c, s in zip(cell, step, strict=True))
 
 
 def free(scenario, cell):
@@ -52,29 +68,70 @@ def crossed(step):
     return cells
 
 
-CROSSED = {step: crossed(step) for step in STEPS}
+CROSSED = {step: crossed(step) for step in LAYERED}
 
 
 def legal(scenario, cell, step):
-    """Whether a move is one the layered motion allows, by the book."""
-    end = tuple(c + s for c, s in zip(cell, step, strict=True))
+    """Whether a move is one the scenario's motion allows, by the book."""
+    end = end_of(cell, step)
+    if not scenario.motion.layered:
+        box = {end_of(cell, part) for part in product(*((0, d) for d in step))}
+        sides = [free(scenario, side) for side in box - {cell, end}]
+        rule = {"both": all, "one": any, "cut": lambda sides: True}[scenario.motion.corners]
+        return free(scenario, end) and (not sides or rule(sides))
     left = scenario.goal[0] - end[0]
     if max(abs(scenario.goal[1] - end[1]), abs(scenario.goal[2] - end[2])) > REACH * left:
         return False
     cells = [end]
     if scenario.motion.check_segments and max(abs(step[1]), abs(step[2])) == REACH:
-        cells += [tuple(c + d for c, d in zip(cell, part, strict=True)) for part in CROSSED[step]]
+        cells += [end_of(cell, part) for part in CROSSED[step]]
     return all(free(scenario, c) for c in cells)
 
 
+def clearance(scenario, cell):
+    """Distance to the nearest blocked cell, by looking at all of them."""
+    blocked, distance = np.argwhere(scenario.world.free == 0), np.float64(np.inf)
+    if len(blocked):
+        x, y, z = ((blocked - np.array(cell)) * np.array(scenario.world.cell)).T
+        distance = np.sqrt(x * x + y * y + z * z).min()
+    return F(distance)
+
+
 def allowed(scenario, rules, cell, step):
-    """Whether the rules let an ant make a move: legal and, with look-ahead, not into a dead end."""
-    if not legal(scenario, cell, step):
+    """Whether the rules let an ant make a move: legal, clear of obstacles, and in layers not into a dead end."""
+
+    def possible(cell, step):
+        if not legal(scenario, cell, step):
+            return False
+        least = F(rules.clearance[0] * min(scenario.world.cell))
+        return rules.z3 == 0 or clearance(scenario, end_of(cell, step)) > least
+
+    end = end_of(cell, step)
+    if not possible(cell, step):
         return False
-    end = tuple(c + s for c, s in zip(cell, step, strict=True))
-    if rules.trap == "die" or end == scenario.goal:
+    if rules.trap != "lookahead" or not scenario.motion.layered or end[0] == scenario.goal[0]:
         return True
-    return any(legal(scenario, end, following) for following in STEPS)
+    return any(possible(end, following) for following in LAYERED)
+
+
+def degree(scenario, rules, cell):
+    """How many moves lead on from a cell, and the length of the shortest."""
+    blind = rules._replace(trap="die")
+    lengths = [
+        length_of(s, scenario.world.cell)
+        for s in steps_of(scenario.motion)
+        if allowed(scenario, blind, cell, s)
+    ]
+    return len(lengths), min(lengths, default=np.inf)
+
+
+def mean_move(scenario):
+    """Mean length of all moves between free cells, layered goals aside, by going through them."""
+    steps, cells = steps_of(scenario.motion), [tuple(c) for c in np.argwhere(scenario.world.free).tolist()]
+    loose = SimpleNamespace(world=scenario.world, motion=scenario.motion, goal=(10**6, 0, 0))
+    counts = [sum(legal(loose, cell, step) for cell in cells) for step in steps]
+    lengths = [length_of(step, scenario.world.cell) for step in steps]
+    return (np.array(counts) * np.array(lengths)).sum() / sum(counts)
 
 
 def length_of(step, cell_size):
@@ -82,157 +139,300 @@ def length_of(step, cell_size):
     return np.sqrt(x * x + y * y + z * z)
 
 
+class Twin:
+    """One run of the twin."""
+
+    def __init__(self, scenario, parameters, rules, ants, seed):
+        self.scenario, self.rules, self.ants, self.seed = scenario, find_rules(rules), ants, seed
+        self.alpha, self.beta, self.rho = F(parameters[0]), F(parameters[1]), np.float64(parameters[2])
+        self.deposit = np.float64(parameters[3]) / self.rules.initial_pheromone
+        self.steps = steps_of(scenario.motion)
+        self.lengths = [length_of(step, scenario.world.cell) for step in self.steps]
+        self.nodes, self.scale, self.unvisited, self.bounds = {}, 1.0, 1.0, (0.0, np.inf)
+        self.mean_move = mean_move(scenario) if self.rules.initial == "degree" else None
+        self.roams = not scenario.motion.layered or self.rules.trap == "retreat"
+        self.drawn, self.moves, self.best, self.best_walk = 0, 0, np.inf, []
+
+    def node(self, cell):
+        """A node with log2 of the heuristic of every move; None where the move is illegal."""
+        if cell not in self.nodes:
+            rules, eta = self.rules, heuristic(self.scenario, self.rules, cell, self.steps)
+            tau = [self.unvisited] * len(self.steps)
+            if rules.initial == "degree":
+                for k, step in enumerate(self.steps):
+                    moves = max(degree(self.scenario, rules, end_of(cell, step))[0], 1)
+                    tau[k] *= moves * self.lengths[k] / self.mean_move
+            open_slots = [k for k, e in enumerate(eta) if e is not None]
+            self.nodes[cell] = SimpleNamespace(
+                cell=cell,
+                eta=eta,
+                tau=tau,
+                open=open_slots,
+                weight=[F(0)] * 32,
+                point=self.unvisited,
+                stale=True,
+            )
+        return self.nodes[cell]
+
+    def pheromone(self, node):
+        """log2 of the pheromone of every legal move."""
+        tau = node.tau
+        if self.rules.pheromone_on == "node":
+            ends = [end_of(node.cell, step) for step in self.steps]
+            tau = [self.nodes[end].point if end in self.nodes else self.unvisited for end in ends]
+        if self.rules.limits:
+            tau = [max(min(max(t * self.scale, self.bounds[0]), self.bounds[1]), FLOOR) for t in tau]
+        return {k: log2_wide(tau[k]) for k in node.open}
+
+    def weigh(self, node):
+        """All weights of a node anew, relative to its largest exponent."""
+        if not node.open or not (node.stale or self.rules.pheromone_on == "node"):
+            return
+        node.stale, taus = False, self.pheromone(node)
+        exponents = {k: self.alpha * taus[k] + self.beta * node.eta[k] for k in node.open}
+        node.peak = max(exponents.values())
+        for k in node.open:
+            node.weight[k] = exp2(exponents[k] - node.peak)
+        plain = self.rules.greedy == "plain"
+        scores = {k: taus[k] + node.eta[k] if plain else exponents[k] - node.peak for k in node.open}
+        node.top = max(scores.values())
+        node.greedy = next(k for k in node.open if scores[k] == node.top)
+
+    def choose(self, node, seen, bits):
+        """The pseudo-random proportional rule (liu2020 (4)) over the moves that are open; None where none is."""
+        self.weigh(node)
+        greedy = F(rng.low_uniform(np.uint64(bits))) < F(self.rules.q0)
+        if not node.open:
+            return None
+        if greedy and self.is_open(node, node.greedy, seen):
+            return node.greedy
+        for _ in range(0 if greedy else 4 if self.roams else 1):
+            slot = pick(node.weight, bits)
+            if self.is_open(node, slot, seen):
+                return slot
+            bits = np.uint64(rng.mix(bits + np.uint64(rng.GOLDEN)))
+        left = [k for k in node.open if self.is_open(node, k, seen)]
+        if not left:
+            return None
+        taus = self.pheromone(node)
+        exponents = {k: self.alpha * taus[k] + self.beta * node.eta[k] for k in left}
+        if greedy:
+            plain = self.rules.greedy == "plain"
+            return max(left, key=lambda k: (taus[k] + node.eta[k] if plain else exponents[k], -k))
+        weight = [F(0)] * 32
+        for k in left:
+            weight[k] = exp2(exponents[k] - max(exponents.values()))
+        return pick(weight, bits)
+
+    def is_open(self, node, slot, seen):
+        """Whether a move leads to a cell that the ant has not been to, nor, looking ahead, into a dead end."""
+        if not self.roams:
+            return True
+        end = end_of(node.cell, self.steps[slot])
+        if end in seen or self.rules.trap != "lookahead" or end == self.scenario.goal:
+            return end not in seen
+        following = self.node(end)
+        return any(end_of(end, self.steps[k]) not in seen for k in following.open)
+
+    def walk(self):
+        """One iteration's paths, [(cell, slot)] of each ant, and who arrived."""
+        walks, seen = [[] for _ in range(self.ants)], [{self.scenario.start} for _ in range(self.ants)]
+        at, on_the_way = [self.scenario.start] * self.ants, list(range(self.ants))
+        layers = None if self.roams else self.scenario.layers
+        pace = 0
+        while on_the_way if layers is None else pace < layers:
+            for ant in list(on_the_way):
+                node = self.node(at[ant])
+                slot = self.choose(node, seen[ant], draw(self.seed, self.drawn + ant))
+                if slot is not None:
+                    self.move(node, slot, walks[ant])
+                    at[ant] = end_of(node.cell, self.steps[slot])
+                    self.node(at[ant])
+                    seen[ant].add(at[ant])
+                elif self.rules.trap == "retreat" and walks[ant]:
+                    at[ant] = walks[ant].pop()[0]
+                    continue
+                if slot is None or at[ant] == self.scenario.goal:
+                    on_the_way.remove(ant)
+            self.drawn, pace = self.drawn + self.ants, pace + 1
+        return [(w, c == self.scenario.goal) for w, c in zip(walks, at, strict=True)]
+
+    def move(self, node, slot, walk):
+        """One move, and the local update it leaves behind."""
+        self.moves += 1
+        walk.append((node.cell, slot))
+        if self.rules.local:
+            self.node(end_of(node.cell, self.steps[slot]))
+            self.change(node, slot, self.passed)
+
+    def change(self, node, slot, rule):
+        """Apply a rule to the pheromone that a move sees."""
+        if self.rules.pheromone_on == "node":
+            end = self.nodes[end_of(node.cell, self.steps[slot])]
+            end.point = rule(end.point)
+        else:
+            node.tau[slot] = rule(node.tau[slot])
+            node.stale = node.stale or bool(self.rules.local) or self.rules.best_only
+
+    def passed(self, tau):
+        xi, (low, high) = self.rules.local, self.bounds
+        if self.rules.limits:
+            tau = min(max(tau * self.scale, low), high) / self.scale
+        return max((1.0 - xi) * tau + xi * self.rules.local_to / self.scale, FLOOR)
+
+    def grown(self, tau, amount):
+        if self.rules.best_only:
+            return max(self.rho * tau + (1.0 - self.rho) * amount, FLOOR)
+        if self.rules.limits:
+            low, high = self.bounds
+            return min(max(tau * self.scale, low) + amount * self.scale, high) / self.scale
+        return tau + amount
+
+    def length(self, walk):
+        total = 0.0
+        for _, slot in walk:
+            total += self.lengths[slot]
+        return total
+
+    def iterate(self, out):
+        """Walk, remember, evaporate, deposit."""
+        done = [(walk, self.length(walk)) for walk, arrived in self.walk() if arrived]
+        for walk, total in done:
+            if total < self.best:
+                self.best, self.best_walk = total, walk
+        out.best.append(self.best)
+        out.mean.append(sum(t for _, t in done) / len(done) if done else np.inf)
+        out.arrived.append(len(done))
+        if self.rules.limits and self.best_walk:
+            high = self.deposit / (max(1.0 - self.rho, 1e-9) * self.best)
+            self.bounds = high / (2.0 * len(self.best_walk)), high
+        if not self.rules.best_only:
+            self.evaporate()
+        self.reward(done)
+
+    def evaporate(self):
+        self.scale *= self.rho
+        if self.scale < 2.0**-500:
+            self.unvisited = max(self.unvisited * self.scale, FLOOR)
+            for node in self.nodes.values():
+                node.tau = [max(tau * self.scale, FLOOR) for tau in node.tau]
+                node.point, node.stale = max(node.point * self.scale, FLOOR), True
+            self.scale = 1.0
+
+    def reward(self, done):
+        """All deposits, first moves before second moves, then those of the best path so far."""
+        per_edge = self.rules.deposit == "edge"
+        paid = [
+            (walk, share * self.deposit / (1.0 if per_edge else total) / self.scale)
+            for (walk, total), share in shares(done, self.rules)
+        ]
+        edges = [
+            (walk[depth], amount)
+            for depth in range(max((len(walk) for walk, _ in paid), default=0))
+            for walk, amount in paid
+            if depth < len(walk)
+        ]
+        if self.rules.elite and self.best_walk:
+            amount = self.rules.elite * self.deposit / (1.0 if per_edge else self.best) / self.scale
+            edges += [(edge, amount) for edge in self.best_walk]
+        for (cell, slot), amount in edges:
+            more = amount * self.edge_share(cell, slot) if per_edge else amount
+            self.change(self.nodes[cell], slot, lambda tau, more=more: self.grown(tau, more))
+        if self.rules.pheromone_on == "edge":
+            for cell, slot in {edge for edge, _ in edges}:
+                self.renew(self.nodes[cell], slot)
+        if self.rules.limits:
+            for node in self.nodes.values():
+                node.stale = True
+
+    def edge_share(self, cell, slot):
+        """ε / d of wei2018 (15), (16)."""
+        (here, near_here), (there, near_there) = (
+            degree(self.scenario, self.rules, c) for c in (cell, end_of(cell, self.steps[slot]))
+        )
+        return (near_there if there >= here else near_here) / (self.lengths[slot] * self.lengths[slot])
+
+    def renew(self, node, slot):
+        """One edge's weight after a deposit; a weight that outgrows its node makes all of it be weighed again."""
+        if node.stale:
+            return
+        tau = log2_wide(node.tau[slot])
+        exponent = self.alpha * tau + self.beta * node.eta[slot] - node.peak
+        if exponent > F(60):
+            node.stale = True
+            return
+        node.weight[slot] = exp2(exponent)
+        score = tau + node.eta[slot] if self.rules.greedy == "plain" else exponent
+        if score > node.top or (score == node.top and slot < node.greedy):
+            node.top, node.greedy = score, slot
+
+
 def plan(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=0):
     """The twin. Returns a namespace with length, path, best, mean, arrived, moves."""
-    rules = find_rules(rules)
-    alpha, beta = F(parameters[0]), F(parameters[1])
-    rho, deposit = np.float64(parameters[2]), np.float64(parameters[3]) / rules.initial_pheromone
-    lengths = [length_of(step, scenario.world.cell) for step in STEPS]
-    nodes, scale, unvisited, bounds, best_walk = {}, 1.0, 1.0, (0.0, np.inf), None
-    out = SimpleNamespace(length=np.inf, path=[], best=[], mean=[], arrived=[], moves=0)
+    out = SimpleNamespace(best=[], mean=[], arrived=[])
     with np.errstate(over="ignore"):
-        for iteration in range(iterations):
-            cells, walks, totals = [scenario.start] * ants, [[] for _ in range(ants)], [0.0] * ants
-            for layer in range(scenario.layers):
-                for ant in range(ants):
-                    if len(walks[ant]) < layer:
-                        continue  # died
-                    cell = cells[ant]
-                    if cell not in nodes:
-                        nodes[cell] = new_node(scenario, rules, cell, unvisited)
-                        weigh(nodes[cell], alpha, beta, rules, bounds, scale)
-                    node = nodes[cell]
-                    if not node.alive:
-                        continue
-                    if node.stale:
-                        weigh(node, alpha, beta, rules, bounds, scale)
-                    counter = (iteration * scenario.layers + layer) * ants + ant
-                    slot = choose(node, draw(seed, counter), F(rules.q0))
-                    if rules.local:
-                        node.tau[slot] = (1.0 - rules.local) * node.tau[slot] + rules.local / scale
-                        node.stale = True
-                    walks[ant].append((cell, slot))
-                    totals[ant] += lengths[slot]
-                    cells[ant] = tuple(c + s for c, s in zip(cell, STEPS[slot], strict=True))
-                    out.moves += 1
-            done = [(w, t) for w, t, c in zip(walks, totals, cells, strict=True) if c == scenario.goal]
-            for walk, total in done:
-                if total < out.length:
-                    out.length, out.path, best_walk = total, [c for c, _ in walk] + [scenario.goal], walk
-            out.best.append(out.length)
-            out.mean.append(sum(t for _, t in done) / len(done) if done else np.inf)
-            out.arrived.append(len(done))
-            if rules.limits and np.isfinite(out.length):
-                high = deposit / (max(1.0 - rho, 1e-9) * out.length)
-                bounds = high / (2.0 * scenario.layers), high
-            if not rules.best_only:
-                scale *= rho
-            if scale < 2.0**-500:
-                unvisited = max(unvisited * scale, 2.0**-1000)
-                for node in nodes.values():
-                    node.tau = [max(tau * scale, 2.0**-1000) for tau in node.tau]
-                    node.stale = True
-                scale = 1.0
-            deposits = [
-                (walk, share * deposit / total / scale) for (walk, total), share in shares(done, rules.ranked)
-            ]
-            if rules.elite and best_walk:
-                deposits.append((best_walk, rules.elite * deposit / out.length / scale))
-            for walk, amount in deposits:
-                for cell, slot in walk:
-                    receive(nodes[cell], slot, amount, rules, rho, bounds, scale)
-            for cell, slot in {edge for walk, _ in deposits for edge in walk}:
-                renew(nodes[cell], slot, alpha, beta, rules)
-            if rules.limits:
-                for node in nodes.values():
-                    node.stale = True
+        twin = Twin(scenario, parameters, rules, ants, seed)
+        for _ in range(iterations):
+            twin.iterate(out)
+    out.length, out.moves = twin.best, twin.moves
+    out.path = [cell for cell, _ in twin.best_walk] + [scenario.goal] if twin.best_walk else []
     return out
 
 
-def new_node(scenario, rules, cell, unvisited):
-    """A node with log2 of the heuristic of every move, (5)-(8) of liu2020; None where the move is illegal."""
+def heuristic(scenario, rules, cell, steps):
+    """log2 η of every move: liu2020 (5)-(8), zhang_apf (4)-(7), wei2018 (10), (11); None where it is not allowed."""
     size = [F(edge) for edge in scenario.world.cell]
-    anchor = scenario.goal if rules.target == "goal" else scenario.start
+    possible = [allowed(scenario, rules, cell, step) for step in steps]
+    mean, count = F(0), 0
+    for step, there in zip(steps, possible, strict=True):
+        if there:
+            mean, count = mean + F(length_of(step, scenario.world.cell)), count + 1
+    most = mean / F(max(count, 1)) if rules.clipped else F(np.inf)
     eta = []
-    for step in STEPS:
-        if not allowed(scenario, rules, cell, step):
+    for step, there in zip(steps, possible, strict=True):
+        if not there:
             eta.append(None)
             continue
-        dx = F(anchor[0] - cell[0] - 1) * size[0]
-        dy = F(anchor[1] - cell[1]) * size[1] - F(np.float64(scenario.world.cell[1]) * step[1])
-        dz = F(anchor[2] - cell[2]) * size[2] - F(np.float64(scenario.world.cell[2]) * step[2])
-        distance = np.sqrt(dx * dx + dy * dy + dz * dz)
-        length = F(length_of(step, scenario.world.cell))
+        anchor = scenario.goal if rules.target == "goal" else scenario.start
+        length = min(F(length_of(step, scenario.world.cell)), most)
+        distance = away(scenario, anchor, cell, step)
         span = {"goal": length + distance, "start": distance, "current": length}[rules.target]
-        eta.append(-(F(rules.w1) * log2(span)) - F(rules.w2) * log2(F(abs(step[2]) + 1)))
-    return SimpleNamespace(
-        eta=eta, tau=[unvisited] * 25, alive=any(e is not None for e in eta), stale=False, weight=[F(0)] * 32
-    )
+        value = -(F(rules.w1) * log2(span)) - F(rules.w2) * log2(F(abs(step[2]) + 1))
+        if rules.z2 > 0 or rules.z3 > 0:
+            value -= F(rules.z2) * log2(max(away(scenario, scenario.goal, cell, step), min(size)))
+        if rules.z3 > 0:
+            edge = min(scenario.world.cell)
+            from_, over = F(rules.clearance[0] * edge), F((rules.clearance[1] - rules.clearance[0]) * edge)
+            ramp = min((clearance(scenario, end_of(cell, step)) - from_) / over, F(1))
+            value += F(rules.z3) * log2(ramp)
+        eta.append(value)
+    return eta
 
 
-def shares(done, ranked):
-    """Who deposits, and with which weight: everybody, or the shortest ``ranked - 1``, the earlier ant on a tie."""
-    if ranked == 0:
-        return [(walk, 1.0) for walk in done]
-    order = sorted(range(len(done)), key=lambda i: (done[i][1], i))[: ranked - 1]
-    weights = {i: float(ranked - 1 - place) for place, i in enumerate(order)}
+def away(scenario, anchor, cell, step):
+    """Distance from the end of a move to a cell, in float32."""
+    size = [F(edge) for edge in scenario.world.cell]
+    dx = (F(anchor[0] - cell[0]) - F(step[0])) * size[0]
+    dy = F(anchor[1] - cell[1]) * size[1] - F(np.float64(scenario.world.cell[1]) * step[1])
+    dz = F(anchor[2] - cell[2]) * size[2] - F(np.float64(scenario.world.cell[2]) * step[2])
+    return np.sqrt(dx * dx + dy * dy + dz * dz)
+
+
+def shares(done, rules):
+    """Who deposits, and with which weight: everybody who may, or the shortest ``ranked - 1``, the earlier on a tie."""
+    totals = [total for _, total in done]
+    most = (min(totals) + max(totals)) / 2.0 if rules.selective and done else np.inf
+    may = [i for i, total in enumerate(totals) if total <= most]
+    if rules.ranked == 0:
+        return [(done[i], 1.0) for i in may]
+    order = sorted(may, key=lambda i: (totals[i], i))[: rules.ranked - 1]
+    weights = {i: float(rules.ranked - 1 - place) for place, i in enumerate(order)}
     return [(done[i], weights[i]) for i in sorted(weights)]  # in the order of the ants
 
 
-def receive(node, slot, amount, rules, rho, bounds, scale):
-    """One deposit on one edge."""
-    if rules.best_only:
-        node.tau[slot] = rho * node.tau[slot] + (1.0 - rho) * amount
-        node.stale = True
-    elif rules.limits:
-        kept = max(node.tau[slot] * scale, bounds[0])
-        node.tau[slot] = min(kept + amount * scale, bounds[1]) / scale
-    else:
-        node.tau[slot] += amount
-
-
-def weigh(node, alpha, beta, rules, bounds, scale):
-    """All weights of a node anew, relative to its largest exponent."""
-    node.stale = False
-    open_slots = [k for k in range(25) if node.eta[k] is not None]
-    if not open_slots:
-        return
-    tau = node.tau
-    if rules.limits:
-        tau = [max(min(max(t * scale, bounds[0]), bounds[1]), 2.0**-1000) for t in tau]
-    taus = {k: log2_wide(tau[k]) for k in open_slots}
-    exponents = {k: alpha * taus[k] + beta * node.eta[k] for k in open_slots}
-    node.peak = max(exponents.values())
-    for k in open_slots:
-        node.weight[k] = exp2(exponents[k] - node.peak)
-    scores = {
-        k: taus[k] + node.eta[k] if rules.greedy == "plain" else exponents[k] - node.peak for k in open_slots
-    }
-    node.top = max(scores.values())
-    node.greedy = next(k for k in open_slots if scores[k] == node.top)
-
-
-def renew(node, slot, alpha, beta, rules):
-    """One edge's weight after a deposit; a weight that outgrows its node makes all of it be weighed again."""
-    if node.stale:
-        return
-    tau = log2_wide(node.tau[slot])
-    exponent = alpha * tau + beta * node.eta[slot] - node.peak
-    if exponent > F(60):
-        node.stale = True
-        return
-    node.weight[slot] = exp2(exponent)
-    score = tau + node.eta[slot] if rules.greedy == "plain" else exponent
-    if score > node.top or (score == node.top and slot < node.greedy):
-        node.top, node.greedy = score, slot
-
-
-def choose(node, bits, q0):
-    """The pseudo-random proportional rule (4)."""
-    if F(rng.low_uniform(np.uint64(bits))) < q0:
-        return node.greedy
-    sums = prefix_sums(node.weight)
-    mark = F(rng.high_uniform(bits)) * sums[31]
+def pick(weight, bits):
+    sums = prefix_sums(weight)
+    mark = F(rng.high_uniform(np.uint64(bits))) * sums[31]
     return next(slot for slot in LANE_MAJOR if sums[slot] > mark)
 
 
@@ -255,74 +455,120 @@ class Textbook:
         self.scenario, self.rules = scenario, find_rules(rules)
         self.alpha, self.beta, self.rho, q = parameters
         self.q, self.tau, self.options = q / self.rules.initial_pheromone, {}, {}
-        self.unseen, self.limits, self.best, self.best_edges = 1.0, (0.0, np.inf), np.inf, []
+        self.fresh, self.limits, self.best, self.best_path = 1.0, (0.0, np.inf), np.inf, []
+        self.mean_move = mean_move(scenario) if self.rules.initial == "degree" else None
+        self.layered = scenario.motion.layered and self.rules.trap != "retreat"
 
     def moves(self, cell):
-        """Ends, lengths and log η of the moves from a cell."""
+        """Ends, lengths, log η and initial pheromone of the moves from a cell."""
         if cell not in self.options:
             rules, size = self.rules, np.array(self.scenario.world.cell)
-            steps = [s for s in STEPS if allowed(self.scenario, rules, cell, s)]
-            ends = [tuple(c + d for c, d in zip(cell, s, strict=True)) for s in steps]
-            anchor = np.array(self.scenario.goal if rules.target == "goal" else self.scenario.start)
+            steps = [s for s in steps_of(self.scenario.motion) if allowed(self.scenario, rules, cell, s)]
+            ends = [end_of(cell, s) for s in steps]
             lengths = np.array([np.linalg.norm(np.array(s) * size) for s in steps])
-            far = np.array([np.linalg.norm((anchor - np.array(e)) * size) for e in ends])
-            span = {"goal": lengths + far, "start": far, "current": lengths}[rules.target]
-            flat = np.array([1.0 / (abs(s[2]) + 1) for s in steps])
-            eta = np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2 if steps else None
-            self.options[cell] = ends, lengths, eta
+            to_goal = np.array([np.linalg.norm((np.array(self.scenario.goal) - e) * size) for e in ends])
+            to_start = np.array([np.linalg.norm((np.array(self.scenario.start) - e) * size) for e in ends])
+            if steps:
+                step = np.minimum(lengths, lengths.mean()) if rules.clipped else lengths
+                span = {"goal": step + to_goal, "start": to_start, "current": step}[rules.target]
+                flat = np.array([1.0 / (abs(s[2]) + 1) for s in steps])
+                eta = np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2
+                eta -= rules.z2 * np.log(np.maximum(to_goal, size.min()))
+                if rules.z3:
+                    far = np.array([clearance(self.scenario, end) for end in ends]) / size.min()
+                    least, most = rules.clearance
+                    eta += rules.z3 * np.log(np.minimum((far - least) / (most - least), 1))
+                first = np.ones(len(steps))
+                if rules.initial == "degree":
+                    counts = [max(degree(self.scenario, rules, end)[0], 1) for end in ends]
+                    first = lengths / self.mean_move * counts
+            self.options[cell] = (ends, lengths, eta, first) if steps else ([], lengths, None, None)
         return self.options[cell]
 
-    def step(self, cell, rng):
-        """The end and the length of one ant's next move."""
-        ends, lengths, eta = self.moves(cell)
-        tau = np.array([self.tau.get((cell, end), self.unseen) for end in ends])
-        logits = self.alpha * np.log(tau) + self.beta * eta
+    def key(self, cell, end):
+        return end if self.rules.pheromone_on == "node" else (cell, end)
+
+    def step(self, cell, seen, rng):
+        """The end and the length of one ant's next move; None where it is trapped."""
+        ends, lengths, eta, first = self.moves(cell)
+        ways = [k for k, end in enumerate(ends) if self.layered or self.is_open(end, seen)]
+        if not ways:
+            return None
+        tau = np.array([self.tau.get(self.key(cell, ends[k]), self.fresh * first[k]) for k in ways])
+        logits = self.alpha * np.log(tau) + self.beta * eta[ways]
         if rng.random() < self.rules.q0:
-            k = int(np.argmax(np.log(tau) + eta if self.rules.greedy == "plain" else logits))
+            i = int(np.argmax(np.log(tau) + eta[ways] if self.rules.greedy == "plain" else logits))
         else:
-            p = np.exp(logits - logits.max())
-            sums = p.cumsum()
-            k = int(np.searchsorted(sums, rng.random() * sums[-1], side="right"))
+            sums = np.exp(logits - logits.max()).cumsum()
+            i = int(np.searchsorted(sums, rng.random() * sums[-1], side="right"))
         if self.rules.local:
-            self.tau[cell, ends[k]] = (1 - self.rules.local) * tau[k] + self.rules.local
-        return ends[k], lengths[k]
+            xi, key = self.rules.local, self.key(cell, ends[ways[i]])
+            self.tau[key] = (1 - xi) * np.clip(tau[i], *self.limits) + xi * self.rules.local_to
+        return ends[ways[i]], lengths[ways[i]]
+
+    def is_open(self, end, seen):
+        if end in seen or self.rules.trap != "lookahead" or end == self.scenario.goal:
+            return end not in seen
+        return any(following not in seen for following in self.moves(end)[0])
 
     def walk(self, ants, rng):
-        """[(edges, length)] of the ants that arrive; all take their first move, then all their second."""
-        cells, edges, totals = [self.scenario.start] * ants, [[] for _ in range(ants)], [0.0] * ants
-        for _ in range(self.scenario.layers):
-            for ant, cell in enumerate(cells):
-                if cell is not None:
-                    cells[ant] = None
-                    if self.moves(cell)[0]:
-                        cells[ant], length = self.step(cell, rng)
-                        edges[ant].append((cell, cells[ant]))
-                        totals[ant] += length
-        return [(e, t) for e, t, cell in zip(edges, totals, cells, strict=True) if cell is not None]
+        """[(cells, lengths)] of the ants that arrive; all take their first step, then all their second."""
+        paths, seen = (
+            [[self.scenario.start] for _ in range(ants)],
+            [{self.scenario.start} for _ in range(ants)],
+        )
+        lengths, done, on_the_way = [[] for _ in range(ants)], [], list(range(ants))
+        while on_the_way:
+            for ant in list(on_the_way):
+                move = self.step(paths[ant][-1], seen[ant], rng)
+                if move is None and self.rules.trap == "retreat" and lengths[ant]:
+                    paths[ant].pop()
+                    lengths[ant].pop()
+                elif move is None:
+                    on_the_way.remove(ant)
+                else:
+                    paths[ant].append(move[0])
+                    lengths[ant].append(move[1])
+                    seen[ant].add(move[0])
+                    if move[0] == self.scenario.goal:
+                        on_the_way.remove(ant)
+                        done.append((paths[ant], sum(lengths[ant])))
+        return done
 
     def update(self, done):
         """Evaporation, deposits, limits."""
         rules = self.rules
-        for edges, total in done:
+        for path, total in done:
             if total < self.best:
-                self.best, self.best_edges = total, edges
-        deposits = [(edges, share * self.q / total) for (edges, total), share in shares(done, rules.ranked)]
-        deposits += [(self.best_edges, rules.elite * self.q / self.best)]
-        if rules.best_only:
-            for edges, amount in deposits:
-                for edge in edges:
-                    self.tau[edge] = self.rho * self.tau.get(edge, self.unseen) + (1 - self.rho) * amount
-            return
-        if rules.limits and self.best_edges:
+                self.best, self.best_path = total, path
+        deposits = [(path, share * self.q, total) for (path, total), share in shares(done, rules)]
+        deposits += [(self.best_path, rules.elite * self.q, self.best)]
+        if rules.limits and self.best_path:
             high = self.q / ((1 - self.rho) * self.best)
-            self.limits = high / (2 * self.scenario.layers), high
+            self.limits = high / (2 * (len(self.best_path) - 1)), high
         keep = lambda tau: np.clip(tau, *self.limits)  # noqa: E731
-        old = self.unseen
-        self.unseen = keep(self.rho * self.unseen)
-        self.tau = {edge: keep(self.rho * tau) for edge, tau in self.tau.items()}
-        for edges, amount in deposits:
-            for edge in edges:
-                self.tau[edge] = keep(self.tau.get(edge, keep(self.rho * old)) + amount)
+        if not rules.best_only:
+            self.fresh *= self.rho
+            self.tau = {key: keep(self.rho * tau) for key, tau in self.tau.items()}
+            if rules.limits:
+                self.fresh = keep(self.fresh)
+        for path, amount, total in deposits:
+            for cell, end in pairwise(path):
+                self.reward(cell, end, amount, total, keep)
+
+    def reward(self, cell, end, amount, total, keep):
+        ends, lengths, _, first = self.moves(cell)
+        k, key = ends.index(end), self.key(cell, end)
+        old = self.tau.get(key, self.fresh * first[k])
+        if self.rules.deposit == "edge":
+            (here, near_here), (there, near_there) = (
+                degree(self.scenario, self.rules, c) for c in (cell, end)
+            )
+            total = lengths[k] / ((near_there if there >= here else near_here) / lengths[k])
+        if self.rules.best_only:
+            self.tau[key] = self.rho * old + (1 - self.rho) * amount / total
+        else:
+            self.tau[key] = keep(old + amount / total)
 
 
 def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=0):
@@ -334,14 +580,14 @@ def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, s
 
 
 def shortest(scenario):
-    """Exact shortest length by recursion over all cells reached."""
+    """Exact shortest length by recursion over all cells reached, layer by layer."""
     reached = {scenario.start: 0.0}
     for _ in range(scenario.layers):
         following = {}
         for cell, total in reached.items():
-            for step in STEPS:
+            for step in LAYERED:
                 if legal(scenario, cell, step):
-                    end = tuple(c + s for c, s in zip(cell, step, strict=True))
+                    end = end_of(cell, step)
                     length = total + np.linalg.norm(np.array(step) * scenario.world.cell)
                     following[end] = min(following.get(end, np.inf), length)
         reached = following

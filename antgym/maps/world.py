@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import MapError, ScenarioError
-from antgym.maps.motion import LAYERED, REACH, Motion
+from antgym.maps.motion import LAYERED, REACH, Motion, move_table, step_lengths
 
+MOST_CLEARED = 1 << 24  # cells: 256 × 256 × 256
 PAD = REACH  # blocked border cells on every side, so that no move needs a bounds check
 Cell = tuple[int, int, int]
 
@@ -67,6 +68,30 @@ class GridWorld:
     def free_count(self) -> int:
         """Number of free cells."""
         return int(np.count_nonzero(self.free))
+
+    @cached_property
+    def clearance(self) -> NDArray[np.float32]:
+        """Distance from each cell's centre to that of the nearest blocked one, in world units, laid out as ``storage``.
+
+        Exact and Euclidean; inf where nothing is blocked. The walls of the box do not count, its border cells hold 0.
+
+        Raises:
+            MapError: if the world has over ``MOST_CLEARED`` cells: the exact transform takes some 30 bytes a cell.
+        """
+        if self.free.size > MOST_CLEARED:
+            raise MapError(
+                f"a world of {self.free.size:,} cells is too large for the distance to its obstacles, which rules with "
+                f"z3 > 0 need (zhang_apf): at most {MOST_CLEARED:,} cells; crop it, coarsen it, or set z3 = 0"
+            )
+        from scipy.ndimage import distance_transform_edt
+
+        clearance = np.zeros(self.storage.shape, dtype=np.float32)
+        inside = clearance[PAD:-PAD, PAD:-PAD, PAD:-PAD]
+        inside[:] = (
+            np.inf if self.free_count == self.free.size else distance_transform_edt(self.free, self.cell)
+        )
+        clearance.setflags(write=False)
+        return clearance
 
     def centre(self, cells: ArrayLike) -> NDArray[np.float64]:
         """Return the centres of cells, (..., 3) in world units, the corner of cell (0, 0, 0) at the origin."""
@@ -135,6 +160,21 @@ class Scenario:
         return shortest_length(self)
 
     @cached_property
+    def mean_move(self) -> float:
+        """Mean length of all moves between free cells of the world that cross no obstacle, in world units.
+
+        Raises:
+            ScenarioError: if the world has none.
+        """
+        table, lengths = move_table(self.motion), step_lengths(self.motion, self.world.cell)
+        counts = np.array(
+            [legal_count(self.world, *cells) for cells in zip(table.required, table.either, strict=True)]
+        )
+        if not counts.any():
+            raise ScenarioError(f"scenario {self.name!r}: no cell of its world has a move to another")
+        return float((counts * lengths).sum() / counts.sum())
+
+    @cached_property
     def descriptors(self) -> NDArray[np.float32]:
         """The features of :func:`antgym.maps.features.describe`, computed once."""
         from antgym.maps.features import describe
@@ -152,6 +192,25 @@ class Scenario:
     def with_motion(self, motion: Motion) -> "Scenario":
         """Return the same question under another motion rule."""
         return replace(self, motion=motion)
+
+
+def legal_count(world: GridWorld, required: NDArray[np.int64], either: NDArray[np.int64]) -> int:
+    """Return from how many cells a move leads: all required and one of the either cells are free.
+
+    Args:
+        world: the grid.
+        required: (r, 3) cells relative to the one the move leaves.
+        either: (2, 3) likewise.
+    """
+
+    def beside(offset: NDArray[np.int64]) -> NDArray[np.bool_]:
+        window = (slice(PAD + d, PAD + d + n) for d, n in zip(offset.tolist(), world.shape, strict=True))
+        return world.storage[tuple(window)] != 0
+
+    legal = beside(np.zeros(3, np.int64)) & (beside(either[0]) | beside(either[1]))
+    for offset in required:
+        legal &= beside(offset)
+    return int(np.count_nonzero(legal))
 
 
 def _whole_cell(cell: Sequence[int], label: str) -> tuple[int, ...]:

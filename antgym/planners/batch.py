@@ -1,6 +1,6 @@
 """A batch: planner runs checked once and packed for the kernel, and what it writes, as plans."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,15 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import ParameterError
+from antgym.kernels import layout
 from antgym.kernels.ants import plan_range
-from antgym.kernels.layout import RUN, History
+from antgym.kernels.layout import RUN, Ground, History
 from antgym.maps.motion import REACH, Motion, move_table
 from antgym.maps.world import PAD, GridWorld, Scenario
-from antgym.planners.buffers import Workspace, with_more_rows
+from antgym.planners.buffers import Workspace, grown
 from antgym.planners.parameters import check_parameters
-from antgym.planners.rules import Rules, find_rules
+from antgym.planners.rules import TRAPS, Rules, find_rules
 
 _WORKSPACE = Workspace()
+_FIRST_CELLS = 64  # of a path; a range of runs that finds longer ones gets room for more
 MOST_EFFORT = 1_000_000  # ants, or iterations
 
 
@@ -26,7 +28,7 @@ class Plan:
 
     Attributes:
         length: of the shortest path in world units; inf where no ant arrived.
-        path: (layers + 1, 3) int64 cells from start to goal; (0, 3) where there is none.
+        path: (n + 1, 3) int64 cells from start to goal, n moves; (0, 3) where there is none.
         best: (iterations,) float64, the shortest length so far.
         mean: (iterations,) float64, mean length over the ants that arrived, inf where none did.
         arrived: (iterations,) int64, how many did.
@@ -56,14 +58,15 @@ class Batch:
     """Runs packed for the kernel, and the arrays it writes."""
 
     scenarios: list[Scenario]
-    free: NDArray[np.uint8]
+    ground: Ground
     runs: Any
     tables: NDArray[np.int64]
     history: History
     offsets: NDArray[np.int64]
-    cells: NDArray[np.int64]
     lengths: NDArray[np.float64]
     made: NDArray[np.int64]
+    paths: list[NDArray[np.int64]]
+    """Cells of the best path of each run as indices into ``ground.free``, the goal excluded; empty where none is."""
 
     @classmethod
     def of(
@@ -77,13 +80,12 @@ class Batch:
     ) -> "Batch":
         """Check everything once and pack it."""
         count = len(scenarios)
-        _require_layered(scenarios)
         each = _each_rules(rules, count)
         runs = np.zeros(count, RUN).view(np.recarray)
-        free, runs["origin"] = _pack([s.world for s in scenarios])
+        ground = _pack(scenarios, each, runs)
         motions = list(dict.fromkeys(s.motion for s in scenarios))
         _write_scenarios(runs, scenarios, motions)
-        _write_rules(runs, each)
+        _write_rules(runs, scenarios, each)
         for name, values in (("ants", ants), ("iterations", iterations)):
             runs[name] = _effort(name, values, count)
         runs["key"] = _keys(seeds, count)
@@ -92,44 +94,53 @@ class Batch:
             if len(naturals) != count:
                 raise ParameterError(f"{len(naturals)} parameter sets for {count} scenarios")
             write_parameters(runs, naturals, each)
-        ends = np.cumsum([runs["iterations"], runs["layers"]], axis=1)
-        total = ends[:, -1] if count else (0, 0)
-        history = History(np.empty(total[0]), np.empty(total[0]), np.empty(total[0], np.int64))
-        offsets = np.ascontiguousarray((ends - [runs["iterations"], runs["layers"]]).T)
+        ends = np.cumsum(runs["iterations"])
+        total = ends[-1] if count else 0
         return cls(
             scenarios,
-            free,
+            ground,
             runs,
             _tables(motions),
-            history,
-            offsets,
-            cells=np.empty(total[1], np.int64),
+            History(np.empty(total), np.empty(total), np.empty(total, np.int64)),
+            offsets=ends - runs["iterations"],
             lengths=np.full(count, np.inf),
             made=np.zeros(count, np.int64),
+            paths=[np.empty(0, np.int64)] * count,
         )
 
     def plan_range(self, first: int, last: int) -> None:
         """Plan some of the runs in the calling thread's buffers."""
-        runs, arrays = self.runs, (self.history, self.offsets, self.cells, self.lengths, self.made)
-        buffers = _WORKSPACE.reserve(
-            int(runs["ants"].max()), int((runs["ants"] * runs["layers"]).max()), int(runs["layers"].max())
+        origin, resume = first, False
+        buffers = _WORKSPACE.reserve(self.runs[first:last])
+        cells, spans = (
+            np.empty(_FIRST_CELLS * (last - first), np.int64),
+            np.zeros((len(self.runs), 2), np.int64),
         )
-        resume = False
         with np.errstate(over="ignore"):  # interpreted, the random numbers' wrap-around would warn
             while first < last:
-                first = plan_range(self.free, runs, self.tables, *buffers, *arrays, first, last, resume)
+                arrays = (self.history, self.offsets, cells, spans, self.lengths, self.made)
+                first = plan_range(
+                    self.ground, self.runs, self.tables, *buffers, *arrays, origin, first, last, resume
+                )
                 if first < last:
-                    buffers = _WORKSPACE.buffers = with_more_rows(buffers)
                     resume = True
+                    if buffers.trail.status[layout.WANTS] == layout.MORE_CELLS:
+                        cells = np.concatenate([cells, np.empty_like(cells)])
+                    else:
+                        buffers = _WORKSPACE.buffers = grown(buffers)
+        for i in range(origin, last):
+            self.paths[i] = cells[spans[i, 0] : spans[i, 1]]
 
     def plan(self, index: int, iterations: int | None = None) -> Plan:
         """Return what run ``index`` found."""
         scenario, run = self.scenarios[index], self.runs[index]
-        at, begin = self.offsets[index]
+        at = self.offsets[index]
         span = slice(at, at + (run.iterations if iterations is None else iterations))
         path = np.empty((0, 3), np.int64)
         if np.isfinite(self.lengths[index]):
-            path = _path(scenario, self.cells[begin : begin + run.layers] - run.origin)
+            path = np.vstack([cells_of(scenario, self.paths[index] - run.origin), scenario.goal]).astype(
+                np.int64
+            )
         h = self.history
         return Plan(
             float(self.lengths[index]),
@@ -139,15 +150,6 @@ class Batch:
             h.arrived[span],
             int(self.made[index]),
         )
-
-
-def _require_layered(scenarios: list[Scenario]) -> None:
-    for scenario in scenarios:
-        if not scenario.motion.layered:
-            raise ParameterError(
-                f"scenario {scenario.name!r} has the {scenario.motion.name} motion: the colony walks the layered "
-                "motion only, so far"
-            )
 
 
 def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[Rules]:
@@ -177,60 +179,94 @@ def _keys(seeds: ArrayLike, count: int) -> NDArray[np.uint64]:
     return values.astype(np.uint64)
 
 
-def _pack(worlds: list[GridWorld]) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
-    """Lay worlds one behind the other, each once; a single world is used where it lies."""
+def _pack(scenarios: list[Scenario], rules: list[Rules], runs: Any) -> Ground:
+    """Lay worlds one behind the other, each once, and write where each begins; a single one is used where it lies."""
+    worlds = [scenario.world for scenario in scenarios]
+    free, runs["origin"] = _laid_out(worlds, [True] * len(worlds), lambda world: world.storage, np.uint8)
+    wary = [rule.z3 > 0 for rule in rules]
+    clearance, places = _laid_out(worlds, wary, lambda world: world.clearance, np.float32)
+    runs["clear_shift"] = places - runs["origin"]
+    return Ground(free, clearance)
+
+
+def _laid_out(
+    worlds: list[GridWorld], wanted: list[bool], array_of: Callable[[GridWorld], NDArray[Any]], dtype: type
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
     bases: dict[int, int] = {}
-    parts: list[NDArray[np.uint8]] = []
+    parts: list[NDArray[Any]] = []
     size = 0
-    for world in worlds:
-        if id(world) not in bases:
+    for world, want in zip(worlds, wanted, strict=True):
+        if want and id(world) not in bases:
             bases[id(world)] = size
-            parts.append(world.storage.reshape(-1))
-            size += world.storage.size
-    free = parts[0] if len(parts) == 1 else np.concatenate(parts or [np.empty(0, np.uint8)])
-    free.setflags(write=False)  # as a world's own cells are: one type, one compilation
-    return free, np.array([bases[id(world)] for world in worlds], dtype=np.int64)
+            parts.append(array_of(world).reshape(-1))
+            size += parts[-1].size
+    flat = parts[0] if len(parts) == 1 else np.concatenate(parts or [np.empty(0, dtype)])
+    flat.setflags(write=False)  # as a world's own cells are: one type, one compilation
+    return flat, np.array([bases.get(id(world), 0) for world in worlds], dtype=np.int64)
 
 
 def _tables(motions: list[Motion]) -> NDArray[np.int64]:
-    return np.array([(t.before, t.after, t.steps) for t in map(move_table, motions)])
+    """Return (t, PARTS, WIDTH, 3): steps, required cells and either cells of every motion, padded with zeros."""
+    tables = np.zeros((len(motions), layout.PARTS, layout.WIDTH, 3), np.int64)
+    for padded, table in zip(tables, map(move_table, motions), strict=True):
+        count, required = table.required.shape[:2]
+        padded[layout.STEP, :count] = table.steps
+        padded[layout.REQUIRED : layout.REQUIRED + required, :count] = table.required.swapaxes(0, 1)
+        padded[-layout.EITHER :, :count] = table.either.swapaxes(0, 1)
+    return tables
 
 
 def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]) -> None:
-    names = ("stride_x", "stride_y", "start_x", "start_y", "start_z", "goal_y", "goal_z", "layers", "table")
-    places = [(*_places(s), motions.index(s.motion)) for s in scenarios]
+    names = ("stride_x", "stride_y", "start_x", "start_y", "start_z", "goal_x", "goal_y", "goal_z", "layers")
+    names = (*names, "cells", "table", "slots", "crossed")
+    shapes = {motion: move_table(motion).required.shape[:2] for motion in motions}
+    places = [(*_places(s), s.world.free.size, motions.index(s.motion), *shapes[s.motion]) for s in scenarios]
     for name, column in zip(names, np.array(places, dtype=np.int64).reshape(-1, len(names)).T, strict=True):
         runs[name] = column
     cells = np.array([s.world.cell for s in scenarios]).reshape(-1, 3)
     for name, column in zip(("cell_x", "cell_y", "cell_z"), cells.T, strict=True):
         runs[name] = column
     runs["reach"] = REACH
+    runs["layered"] = [s.motion.layered for s in scenarios]
+    runs["either"] = [s.motion.corners == "one" for s in scenarios]
 
 
 def _places(scenario: Scenario) -> tuple[int, ...]:
     _, sy, sz = scenario.world.storage.shape
-    (xs, ys, zs), (_, yg, zg) = scenario.start, scenario.goal
-    return sy * sz, sz, xs + PAD, ys + PAD, zs + PAD, yg + PAD, zg + PAD, scenario.layers
+    ends = (index + PAD for cell in (scenario.start, scenario.goal) for index in cell)
+    return sy * sz, sz, *ends, scenario.layers if scenario.motion.layered else 0
 
 
-def _write_rules(runs: Any, rules: list[Rules]) -> None:
+def _write_rules(runs: Any, scenarios: list[Scenario], rules: list[Rules]) -> None:
     runs["step_share"] = [rule.target != "start" for rule in rules]
     runs["distance_share"] = [rule.target != "current" for rule in rules]
     runs["to_goal"] = [rule.target == "goal" for rule in rules]
     runs["plain"] = [rule.greedy == "plain" for rule in rules]
-    runs["lookahead"] = [rule.trap == "lookahead" for rule in rules]
-    for name in ("w1", "w2", "q0", "ranked", "elite", "local", "limits", "best_only"):
+    runs["trap"] = [TRAPS.index(rule.trap) for rule in rules]
+    runs["per_edge"] = [rule.deposit == "edge" for rule in rules]
+    runs["by_degree"] = [rule.initial == "degree" for rule in rules]
+    runs["on_nodes"] = [rule.pheromone_on == "node" for rule in rules]
+    for name in ("w1", "w2", "z2", "z3", "q0", "ranked", "elite", "local", "local_to", "limits", "best_only"):
         runs[name] = [getattr(rule, name) for rule in rules]
+    for name in ("clipped", "selective"):
+        runs[name] = [getattr(rule, name) for rule in rules]
+    edges = np.array([min(s.world.cell) for s in scenarios])
+    ramps = np.array([rule.clearance for rule in rules]).reshape(-1, 2)
+    runs["nearest_goal"], runs["ramp_from"] = edges, ramps[:, 0] * edges
+    runs["ramp_over"] = (ramps[:, 1] - ramps[:, 0]) * edges
+    runs["mean_move"] = [
+        scenario.mean_move if rule.initial == "degree" else 1.0
+        for scenario, rule in zip(scenarios, rules, strict=True)
+    ]
+    runs["roams"] = ~runs["layered"] | (runs["trap"] == layout.RETREAT)
+    runs["linked"] = runs["roams"] | runs["on_nodes"]
+    runs["censused"] = runs["per_edge"] | runs["by_degree"]
 
 
 def write_parameters(runs: Any, values: NDArray[np.float64], rules: list[Rules]) -> None:
     """Write (k, 4) natural parameters into the records of runs."""
     runs["alpha"], runs["beta"], runs["rho"] = values[:, 0], values[:, 1], values[:, 2]
     runs["deposit"] = values[:, 3] / [rule.initial_pheromone for rule in rules]
-
-
-def _path(scenario: Scenario, indices: NDArray[np.int64]) -> NDArray[np.int64]:
-    return np.vstack([cells_of(scenario, indices), scenario.goal]).astype(np.int64)
 
 
 def cells_of(scenario: Scenario, indices: NDArray[np.int64]) -> NDArray[np.int64]:

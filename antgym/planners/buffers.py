@@ -1,17 +1,28 @@
 """Buffers of the ant kernel: one set a thread, reused from plan to plan, grown when a plan visits more nodes."""
 
 import threading
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from antgym.errors import ParameterError
-from antgym.kernels.layout import LEVEL_SIZE, ROWS, STATUS_SIZE, WIDTH, Moves, Nodes, Trail
+from antgym.kernels.layout import (
+    EITHER,
+    LEVEL_SIZE,
+    MORE_ROWS,
+    MOST_REQUIRED,
+    ROWS,
+    STATUS_SIZE,
+    WANTS,
+    WIDTH,
+    Moves,
+    Nodes,
+    Trail,
+)
 from antgym.kernels.nodes import rehash
 
-_FIRST_ROWS = 2048
+_FIRST_ROWS, _FIRST_DEPTH = 2048, 64
 MOST_ROWS = 1 << 26  # an edge is row · 32 + slot in an int32
-_FAR = 1 << 40  # a padded slot moves out of every reach
 
 
 class Buffers(NamedTuple):
@@ -22,34 +33,52 @@ class Buffers(NamedTuple):
     trail: Trail
 
 
-def new_buffers(colony: int, edges: int, layers: int) -> Buffers:
-    """Return empty buffers for a colony of ants and edges = layers · ants; rows come as nodes are visited."""
-    far = np.full(WIDTH, _FAR)
+def new_buffers(runs: Any) -> Buffers:
+    """Return empty buffers for (B,) records of RUN; rows and depth come as they are needed."""
     moves = Moves(
-        dy=far,
-        dz=far.copy(),
-        crossed=np.zeros((3, WIDTH), np.int64),
+        dy=np.zeros(WIDTH, np.int64),
+        dz=np.zeros(WIDTH, np.int64),
+        end=np.zeros(WIDTH, np.int64),
+        required=np.zeros((MOST_REQUIRED, WIDTH), np.int64),
+        either=np.zeros((EITHER, WIDTH), np.int64),
+        ahead=np.zeros(WIDTH, np.float32),
         along_y=np.zeros(WIDTH, np.float32),
         along_z=np.zeros(WIDTH, np.float32),
         step=np.ones(WIDTH, np.float32),
         level=np.zeros(WIDTH, np.float32),
         length=np.ones(WIDTH),
     )
-    return Buffers(moves, _new_nodes(_FIRST_ROWS), _new_trail(colony, edges, layers))
+    ants, edges, depth, words = _sizes(runs)
+    return Buffers(moves, _new_nodes(_FIRST_ROWS, words), _new_trail(ants, edges, depth))
 
 
-def with_more_rows(buffers: Buffers) -> Buffers:
-    """Return buffers with twice the rows and the same contents; ParameterError past what an edge number holds."""
+def grown(buffers: Buffers) -> Buffers:
+    """Return buffers with the same contents and twice as much of what the kernel says it wants."""
+    return _with_more_rows(buffers) if buffers.trail.status[WANTS] == MORE_ROWS else _deepened(buffers)
+
+
+def _with_more_rows(buffers: Buffers) -> Buffers:
+    """Return buffers with twice the rows; ParameterError past what an edge number holds."""
     old, count = buffers.nodes, int(buffers.trail.status[ROWS])
     if 2 * len(old.cell) > MOST_ROWS:
         raise ParameterError(
             f"this run may visit over {MOST_ROWS:,} cells; give it fewer ants or a smaller world"
         )
-    nodes = _new_nodes(2 * len(old.cell))
-    for name in set(Nodes._fields) - {"table", "scratch"}:
+    nodes = _new_nodes(2 * len(old.cell), old.seen.shape[1])
+    for name in set(Nodes._fields) - {"table", "scratch", "spare"}:
         getattr(nodes, name)[:count] = getattr(old, name)[:count]
     rehash(nodes, count)
     return buffers._replace(nodes=nodes)
+
+
+def _deepened(buffers: Buffers) -> Buffers:
+    """Return buffers whose ants may make twice the moves."""
+    old = buffers.trail
+    trail = _new_trail(len(old.row), 2 * len(old.edge), 2 * len(old.best_edge))
+    for name in ("row", "depth", "active", "length", "share", "edge", "best_edge", "status", "levels"):
+        kept = getattr(old, name)
+        getattr(trail, name)[: len(kept)] = kept
+    return buffers._replace(trail=trail)
 
 
 class Workspace(threading.local):
@@ -57,21 +86,38 @@ class Workspace(threading.local):
 
     buffers: Buffers | None = None
 
-    def reserve(self, colony: int, edges: int, layers: int) -> Buffers:
-        """Return this thread's buffers, grown to fit every run of a batch."""
+    def reserve(self, runs: Any) -> Buffers:
+        """Return this thread's buffers, grown to fit every one of (B,) records of RUN."""
         old = self.buffers
         if old is None:
-            self.buffers = new_buffers(colony, edges, layers)
-        elif len(old.trail.row) < colony or len(old.trail.edge) < edges or len(old.trail.best_edge) < layers:
-            sizes = (len(old.trail.row), len(old.trail.edge), len(old.trail.best_edge))
-            trail = _new_trail(*np.maximum(sizes, (colony, edges, layers)).tolist())
-            nodes = _new_nodes(len(old.nodes.cell))  # empty, as the new trail says
+            self.buffers = new_buffers(runs)
+            return self.buffers
+        ants, edges, depth, words = (
+            max(have, need) for have, need in zip(_capacities(old), _sizes(runs), strict=True)
+        )
+        if (ants, edges, depth, words) != _capacities(
+            old
+        ):  # both empty: what the old trail says is forgotten
+            nodes, trail = _new_nodes(len(old.nodes.cell), words), _new_trail(ants, edges, depth)
             self.buffers = old._replace(nodes=nodes, trail=trail)
         assert self.buffers is not None
         return self.buffers
 
 
-def _new_nodes(rows: int) -> Nodes:
+def _sizes(runs: Any) -> tuple[int, int, int, int]:
+    """Return how many ants, edges, moves of a path and words of tabu bits the runs begin with."""
+    depths = np.where(runs["roams"], _FIRST_DEPTH, runs["layers"])
+    words = -(-np.where(runs["roams"], runs["ants"], 1) // 64)
+    ants = runs["ants"]
+    return int(ants.max()), int((ants * depths).max()), int(depths.max()), int(words.max())
+
+
+def _capacities(buffers: Buffers) -> tuple[int, int, int, int]:
+    trail = buffers.trail
+    return len(trail.row), len(trail.edge), len(trail.best_edge), buffers.nodes.seen.shape[1]
+
+
+def _new_nodes(rows: int, words: int) -> Nodes:
     slots = (rows, WIDTH)
     return Nodes(
         cell=np.empty(rows, np.int64),
@@ -86,22 +132,30 @@ def _new_nodes(rows: int) -> Nodes:
         top=np.empty(rows, np.float32),
         greedy=np.empty(rows, np.int32),
         state=np.empty(rows, np.uint8),
+        point=np.empty(rows, np.float64),
+        degree=np.empty(rows, np.int64),
+        nearest=np.empty(rows, np.float64),
+        seen=np.empty((rows, words), np.uint64),
         table=np.zeros(1 << (2 * rows - 1).bit_length(), np.int32),
         scratch=np.zeros((2, WIDTH), np.float32),
+        spare=np.zeros((2, 1, WIDTH), np.float32),
     )
 
 
-def _new_trail(colony: int, edges: int, layers: int) -> Trail:
+def _new_trail(ants: int, edges: int, depth: int) -> Trail:
+    due = edges + depth
     return Trail(
-        row=np.empty(colony, np.int64),
-        length=np.empty(colony),
-        share=np.empty(colony),
+        row=np.empty(ants, np.int64),
+        depth=np.empty(ants, np.int64),
+        active=np.empty(ants, np.int64),
+        length=np.empty(ants),
+        share=np.empty(ants),
         edge=np.empty(edges, np.int32),
-        best_edge=np.empty(layers, np.int32),
-        due=np.empty(edges + layers, np.int32),
-        wide=np.empty(edges + layers, np.float64),
-        narrow=np.empty(edges + layers, np.float32),
-        weight=np.empty(edges + layers, np.float32),
+        best_edge=np.empty(depth, np.int32),
+        due=np.empty(due, np.int32),
+        wide=np.empty(due, np.float64),
+        narrow=np.empty(due, np.float32),
+        weight=np.empty(due, np.float32),
         status=np.zeros(STATUS_SIZE, np.int64),
         levels=np.zeros(LEVEL_SIZE),
     )

@@ -12,7 +12,7 @@ from antgym.kernels.ants import advance, begin
 from antgym.kernels.nodes import forget_weights
 from antgym.maps.world import Scenario
 from antgym.planners.batch import Batch, Plan, cells_of, write_parameters
-from antgym.planners.buffers import new_buffers, with_more_rows
+from antgym.planners.buffers import grown, new_buffers
 from antgym.planners.parameters import ColonyParameters, check_parameters
 from antgym.planners.rules import Rules, find_rules
 from antgym.planners.threads import run_ranges
@@ -130,7 +130,7 @@ class Colony:
         self._batch = Batch.of([scenario], [default], rules, ants, iterations, [seed])
         self._scenario, self._rules = scenario, find_rules(rules)
         run = self._batch.runs[0]
-        self._buffers = new_buffers(ants, ants * scenario.layers, scenario.layers)
+        self._buffers = new_buffers(self._batch.runs)
         begin(run, self._batch.tables, *self._buffers)
 
     @property
@@ -155,28 +155,31 @@ class Colony:
         until = self.done + iterations
         with np.errstate(over="ignore"):  # interpreted, random numbers and hashes wrap around
             while self._walk(run, until) < until:
-                self._buffers = with_more_rows(self._buffers)
+                self._buffers = grown(self._buffers)
 
     def result(self) -> Plan:
         """Return the plan as it stands; its history covers the iterations walked."""
         trail, batch = self._buffers.trail, self._batch
         batch.lengths[0], batch.made[0] = trail.levels[layout.BEST], trail.status[layout.MADE]
         if np.isfinite(batch.lengths[0]):
-            batch.cells[:] = self._buffers.nodes.cell[trail.best_edge // layout.WIDTH]
+            edges = trail.best_edge[: trail.status[layout.BEST_DEPTH]]
+            batch.paths[0] = self._buffers.nodes.cell[edges // layout.WIDTH]
         return batch.plan(0, self.done)
 
     def pheromone(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the (n, 3) cells where ants have left pheromone and the most any edge into each holds, 1 at most.
+        """Return the (n, 3) cells where ants have left pheromone, and the most that each or any edge into it holds.
 
-        Amounts are relative to the strongest edge of all.
+        Amounts are relative to the strongest of all, so 1 at most.
         """
         nodes, count = self._buffers.nodes, int(self._buffers.trail.status[layout.ROWS])
-        rows, slots = np.nonzero(nodes.child[:count] >= 0)
-        tau = nodes.tau[rows, slots] - self._buffers.trail.levels[layout.UNVISITED]
-        strength = np.zeros(count)
-        np.maximum.at(strength, nodes.child[rows, slots], tau)
+        unvisited, strength = self._buffers.trail.levels[layout.UNVISITED], np.zeros(count)
+        if self._rules.pheromone_on == "node":
+            strength = np.maximum(nodes.point[:count] - unvisited, 0.0)
+        else:
+            rows, slots = np.nonzero(nodes.child[:count] >= 0)
+            np.maximum.at(strength, nodes.child[rows, slots], nodes.tau[rows, slots] - unvisited)
         cells = cells_of(self._scenario, nodes.cell[:count])
         return cells, strength / max(strength.max(initial=0.0), np.finfo(float).tiny)
 
     def _walk(self, run: Any, until: int) -> int:
-        return int(advance(self._batch.free, run, *self._buffers, self._batch.history, until))
+        return int(advance(self._batch.ground, run, *self._buffers, self._batch.history, until))
