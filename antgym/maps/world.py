@@ -6,12 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import index
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import MapError, ScenarioError
 from antgym.maps.motion import LAYERED, REACH, Motion
+
+if TYPE_CHECKING:
+    from antgym.maps.occupancy import Chart
 
 PAD = REACH  # blocked border cells on every side, so that no move needs a bounds check
 Cell = tuple[int, int, int]
@@ -142,6 +146,13 @@ class Scenario:
         descriptors = describe(self)
         descriptors.setflags(write=False)
         return descriptors
+
+    @cached_property
+    def chart(self) -> "Chart":
+        """What draws the down-sampled map of :func:`antgym.maps.occupancy.occupancy`, each picture once."""
+        from antgym.maps.occupancy import Chart
+
+        return Chart(self.world, self.start, self.goal)
 
     @cached_property
     def digest(self) -> str:
