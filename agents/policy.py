@@ -1,7 +1,7 @@
 """Frozen policies of stable-baselines3: a setting from what is seen of the task, with no trial."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import MissingExtraError, ParameterError, nearest
-from antgym.tuning import Task, Trial, observe
+from antgym.tuning import Task, Trial, observe, observe_with_map
 
 Floats = NDArray[np.float64]
 ALGORITHMS = ("A2C", "DDPG", "PPO", "SAC", "TD3")
@@ -42,11 +42,15 @@ class PolicyAgent:
     def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - a deterministic policy
         """Look at the task; ParameterError where the policy was trained on another observation."""
         self._dimension = len(task.space)
-        observation = observe(task)
-        if observation.shape != self._model.observation_space.shape:
-            expected = self._model.observation_space.shape
+        space = self._model.observation_space
+        observation: Any = observe(task)
+        if (
+            isinstance(space, Mapping) and space.get("map") is not None
+        ):  # trained with a map beside the features
+            observation = observe_with_map(task, flat=len(space["map"].shape) == 3)
+        if _shapes(observation) != _shapes(space):
             raise ParameterError(
-                f"{self.path}: takes observations of shape {expected}, the task's is {observation.shape}"
+                f"{self.path}: takes observations of shape {_shapes(space)}, the task's is {_shapes(observation)}"
             )
         action, _ = self._model.predict(observation, deterministic=True)
         self._setting = np.clip((np.asarray(action, dtype=np.float64) + 1) / 2, 0.0, 1.0)
@@ -65,6 +69,11 @@ class PolicyAgent:
     def recommend(self) -> Floats:
         """Return the policy's setting, (d,)."""
         return self._setting.copy()
+
+
+def _shapes(seen: Any) -> Any:
+    """Return the shape of an observation or its space, of each part by name where it has several."""
+    return {name: part.shape for name, part in seen.items()} if isinstance(seen, Mapping) else seen.shape
 
 
 def _read_card(path: Path) -> dict[str, Any]:

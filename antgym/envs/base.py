@@ -12,18 +12,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import ParameterError, is_count, nearest
 from antgym.maps.features import feature_table
+from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, load_suite
 from antgym.planners.colony import Plans
 from antgym.planners.parameters import ColonyParameters
 from antgym.planners.rules import PAPERS
 from antgym.planners.space import named_values
 from antgym.tuning.features import TASK_FEATURES
-from antgym.tuning.observation import bounds, observe
+from antgym.tuning.observation import bounds, observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Request, TuningProblem
 from antgym.tuning.session import Session, Trial, evaluate_together
 
 REWARDS = ("gap", "length", "improvement")
-Step = tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]
+OBSERVATIONS = ("features", "map", "map2d", "map3d")
+Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
+Step = tuple[Observation, float, bool, bool, dict[str, Any]]
 _Regime = TypeVar("_Regime", bound="type[TuningEnv]")
 
 
@@ -36,7 +39,7 @@ def documented(regime: _Regime) -> _Regime:
     return regime
 
 
-class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """Base of the regimes. A step is paid, then judged; a batch does the same for many environments at once.
 
     Args:
@@ -44,12 +47,14 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"``.
         effort: (ants, iterations) for every scenario instead of each scenario's own.
         reward: ``"gap"``, ``"length"`` or ``"improvement"``.
+        observation: ``"features"``, the vector alone, or with a map beside it: ``"map2d"``, ``"map3d"``, or ``"map"``
+            for that of the two which fits the first training scenario of the suite.
         render_mode: ``"ansi"``, ``"rgb_array"`` or None.
         unknown: raises ParameterError naming the nearest valid argument.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 1}  # noqa: RUF012
-    arguments: tuple[str, ...] = ("suite", "split", "effort", "reward", "render_mode")
+    arguments: tuple[str, ...] = ("suite", "split", "effort", "reward", "observation", "render_mode")
     _budget, _window = 1, 0  # trials an episode pays for, and how many of them the observation shows
 
     def __init__(
@@ -58,13 +63,18 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         split: str = "train",
         effort: Sequence[int] | None = None,
         reward: str = "gap",
+        observation: str = "features",
         *,
         render_mode: str | None = None,
         **unknown: Any,
     ) -> None:
         for name in unknown:
             raise ParameterError(f"unknown environment argument {name!r}; {nearest(name, self.arguments)}")
-        for name, value, valid in (("split", split, SPLITS), ("reward", reward, REWARDS)):
+        for name, value, valid in (
+            ("split", split, SPLITS),
+            ("reward", reward, REWARDS),
+            ("observation", observation, OBSERVATIONS),
+        ):
             if value not in valid:
                 raise ParameterError(f"unknown {name} {value!r}; {nearest(str(value), valid)}")
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
@@ -75,9 +85,10 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self._reward = reward
         self.render_mode = render_mode
         dimension = len(ColonyParameters._fields)
-        low, high = bounds(dimension, window=self._window)
-        self.observation_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (dimension,), np.float32)
+        features = gymnasium.spaces.Box(*bounds(dimension, window=self._window), dtype=np.float32)
+        self._flat_map = _map_is_flat(observation, suite)
+        self.observation_space = _with_map(features, self._flat_map)
         self._root: int | None = None
         self._episode = 0
         self._session: Session | None = None
@@ -92,7 +103,7 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode; scenario and planner seeds are a pure function of (root seed, episode index).
 
         Args:
@@ -157,8 +168,11 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         ants, iterations = self._effort or (item.ants, item.iterations)
         return TuningProblem(item.scenario, item.rules, ants, iterations, planner_seed)
 
-    def _observe(self) -> NDArray[np.float32]:
-        return observe(self.session.task, self.session.trials, window=self._window)
+    def _observe(self) -> Observation:
+        task, trials = self.session.task, self.session.trials
+        if self._flat_map is None:
+            return observe(task, trials, window=self._window)
+        return observe_with_map(task, trials, window=self._window, flat=self._flat_map)
 
     def _facts(self) -> dict[str, Any]:
         problem = self.session.problem
@@ -187,6 +201,20 @@ class TuningEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             return -float(min(length, COST_CAP * problem.scenario.straight_line))
         gap = float(problem.gap(np.array([length]))[0])
         return -gap if default is None else float(problem.gap(default.lengths)[0]) - gap
+
+
+def _map_is_flat(observation: str, suite: str) -> bool | None:
+    """Return whether the map shown is flat, None where none is; the same for every split of a suite."""
+    if observation == "map":
+        return bool(load_suite(suite, "train")[0].scenario.world.shape[2] == 1)
+    return {"features": None, "map2d": True, "map3d": False}[observation]
+
+
+def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:
+    if flat is None:
+        return features
+    picture = gymnasium.spaces.Box(0.0, 1.0, picture_shape(flat), np.float32)
+    return gymnasium.spaces.Dict({"features": features, "map": picture})
 
 
 def _checked_effort(effort: Sequence[int]) -> tuple[int, int]:

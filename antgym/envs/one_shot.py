@@ -33,6 +33,11 @@ class OneShotEnv(TuningEnv):
 
     {observations}
 
+    With `observation="map"` a `Dict`: `features` is this vector, `map` a `Box(0, 1, float32)` of the down-sampled
+    world, stretched to (3, 16, 16, 16), in flat suites to (3, 32, 32): the blocked share of every block, then marks
+    of start and goal. `"map3d"` and `"map2d"` ask for one of these shapes; a flat world in 3D is its level at every
+    height, a voxel world in 2D is seen from above.
+
     ## Rewards
     - `"gap"` (default): −min(gap, 1) in [−1, 0], gap = (L − L*) / L*; a run without a path pays −1.
     - `"length"`: −L in world units; a run without a path pays −10 times the straight line.
@@ -58,6 +63,7 @@ class OneShotEnv(TuningEnv):
     | `split` | `"train"` | `train`, `validation`, `test` or `ood` (real terrain) |
     | `effort` | `None` | `[ants, iterations]` for every scenario instead of its own |
     | `reward` | `"gap"` | see above |
+    | `observation` | `"features"` | or `"map"`, `"map2d"`, `"map3d"`, see above |
     | `render_mode` | `None` | `"ansi"` or `"rgb_array"` |
 
     ```python

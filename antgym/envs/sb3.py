@@ -8,6 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from antgym.envs.base import Observation
 from antgym.envs.vector import NativeVectorEnv
 from antgym.errors import MissingExtraError
 
@@ -27,7 +28,7 @@ class NativeVecEnv(VecEnv):
         self._root = seed
         self._actions: NDArray[np.float32] = np.zeros(0, np.float32)
 
-    def reset(self) -> NDArray[np.float32]:
+    def reset(self) -> Observation:
         """Begin an episode in every slot and return the observations."""
         seed = self._seeds[0] if self._seeds[0] is not None else self._root
         observations, infos = self.native.reset(seed=None if seed is None else int(seed))

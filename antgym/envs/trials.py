@@ -35,6 +35,8 @@ class TrialsEnv(TuningEnv):
 
     {observations}
 
+    With `observation="map"` a `Dict` of this vector, `features`, and the down-sampled world, `map`, as in OneShot.
+
     ## Rewards
     Each step pays 1/budget of what OneShot would pay for a fresh run of the incumbent, so that with
     `reward="gap"` the return lies in [−1, 0]. With `"improvement"` the default's fresh run is drawn anew each step.

@@ -1,14 +1,14 @@
 """The native batch: N environments whose planner runs are one call."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
+from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 from numpy.typing import NDArray
 
-from antgym.envs.base import TuningEnv
+from antgym.envs.base import Observation, TuningEnv
 from antgym.errors import ParameterError, nearest
 from antgym.tuning.problem import run_together
 from antgym.tuning.session import evaluate_together
@@ -22,7 +22,7 @@ def env_seeds(root: int, count: int) -> list[int]:
     return [int(child.generate_state(1, np.uint64)[0] >> 1) for child in children]
 
 
-class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     """N tuning environments stepped together; each slot repeats a single environment with its seed.
 
     Args:
@@ -41,7 +41,7 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         self.single_observation_space = self.envs[0].observation_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self._observations = np.zeros(self.observation_space.shape or (), np.float32)
+        self._shown: list[Observation] = list(iterate(self.observation_space, self._blank()))
         self._over = np.zeros(self.num_envs, bool)
 
     @property
@@ -54,7 +54,7 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         *,
         seed: int | Sequence[int | None] | NDArray[np.integer] | None = None,
         options: dict[str, Any] | None = None,
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode in every slot, or in those of ``options["reset_mask"]``.
 
         Args:
@@ -71,13 +71,11 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         infos: dict[str, Any] = {}
         for i in np.flatnonzero(mask).tolist():
             self._begin(i, infos, seeds[i], options)
-        return self._observations.copy(), infos
+        return self._observations(), infos
 
     def step(
         self, actions: NDArray[np.float32]
-    ) -> tuple[
-        NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
-    ]:
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Pay for every slot's setting in one planner call, judge them in another where rewards need it."""
         rewards, ends = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         infos: dict[str, Any] = {}
@@ -92,16 +90,14 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
         for waiting in np.flatnonzero(self._over).tolist():
             self._begin(waiting, infos)
         for i, outcome in zip(slots, outcomes, strict=True):
-            self._observations[i], rewards[i], ends[i], _, info = outcome
+            observation, rewards[i], ends[i], _, info = outcome
             if ends[i] and self.mode is AutoresetMode.SAME_STEP:
-                infos = self._add_info(
-                    infos, {"final_obs": self._observations[i].copy(), "final_info": info}, i
-                )
+                infos = self._add_info(infos, {"final_obs": observation, "final_info": info}, i)
                 self._begin(i, infos)
             else:
                 infos = self._add_info(infos, info, i)
-                self._over[i] = ends[i]
-        return self._observations.copy(), rewards, ends, np.zeros(self.num_envs, bool), infos
+                self._shown[i], self._over[i] = observation, ends[i]
+        return self._observations(), rewards, ends, np.zeros(self.num_envs, bool), infos
 
     def render(self) -> tuple[Any, ...]:
         """Return the pictures of all slots."""
@@ -110,9 +106,17 @@ class NativeVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArra
     def _begin(
         self, i: int, infos: dict[str, Any], seed: int | None = None, options: dict[str, Any] | None = None
     ) -> None:
-        self._observations[i], info = self.envs[i].reset(seed=seed, options=options)
+        self._shown[i], info = self.envs[i].reset(seed=seed, options=options)
         self._over[i] = False
         self._add_info(infos, info, i)
+
+    def _observations(self) -> Observation:
+        """Return what all slots show, in arrays of its own."""
+        batch = concatenate(self.single_observation_space, self._shown, self._blank())
+        return cast("Observation", batch)
+
+    def _blank(self) -> Any:
+        return create_empty_array(self.single_observation_space, self.num_envs)
 
     def _run(self, slots: list[int], actions: NDArray[np.float32]) -> list[Any]:
         trials = evaluate_together([self.envs[i].pay(actions[i]) for i in slots])

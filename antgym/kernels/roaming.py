@@ -153,7 +153,7 @@ def _among_open(ground, run, moves, nodes, trail, goal, row, a, is_greedy, unifo
             score = tau[0, k] + eta[row, k] if run.plain else weight[0, k]
             peak = max(peak, weight[0, k])
             if score > top:
-                best, top = k, score
+                best, top = np.int64(k), score
     if is_greedy or best == TRAPPED:
         return best
     for k in range(WIDTH):

@@ -6,12 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import index
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import MapError, ScenarioError
-from antgym.maps.motion import LAYERED, REACH, Motion, move_table, step_lengths
+from antgym.maps.motion import LAYERED, REACH, Motion
+
+if TYPE_CHECKING:
+    from antgym.maps.occupancy import Chart
 
 MOST_CLEARED = 1 << 24  # cells: 256 × 256 × 256
 PAD = REACH  # blocked border cells on every side, so that no move needs a bounds check
@@ -166,13 +170,9 @@ class Scenario:
         Raises:
             ScenarioError: if the world has none.
         """
-        table, lengths = move_table(self.motion), step_lengths(self.motion, self.world.cell)
-        counts = np.array(
-            [legal_count(self.world, *cells) for cells in zip(table.required, table.either, strict=True)]
-        )
-        if not counts.any():
-            raise ScenarioError(f"scenario {self.name!r}: no cell of its world has a move to another")
-        return float((counts * lengths).sum() / counts.sum())
+        from antgym.maps.moves import mean_length
+
+        return mean_length(self)
 
     @cached_property
     def descriptors(self) -> NDArray[np.float32]:
@@ -184,6 +184,13 @@ class Scenario:
         return descriptors
 
     @cached_property
+    def chart(self) -> "Chart":
+        """What draws the down-sampled map of :func:`antgym.maps.occupancy.occupancy`, each picture once."""
+        from antgym.maps.occupancy import Chart
+
+        return Chart(self.world, self.start, self.goal)
+
+    @cached_property
     def digest(self) -> str:
         """Hash of everything that defines the question (name excluded), 64 hex digits."""
         text = f"{self.world.shape}{self.world.cell}{self.start}{self.goal}{self.motion.key}"
@@ -192,25 +199,6 @@ class Scenario:
     def with_motion(self, motion: Motion) -> "Scenario":
         """Return the same question under another motion rule."""
         return replace(self, motion=motion)
-
-
-def legal_count(world: GridWorld, required: NDArray[np.int64], either: NDArray[np.int64]) -> int:
-    """Return from how many cells a move leads: all required and one of the either cells are free.
-
-    Args:
-        world: the grid.
-        required: (r, 3) cells relative to the one the move leaves.
-        either: (2, 3) likewise.
-    """
-
-    def beside(offset: NDArray[np.int64]) -> NDArray[np.bool_]:
-        window = (slice(PAD + d, PAD + d + n) for d, n in zip(offset.tolist(), world.shape, strict=True))
-        return world.storage[tuple(window)] != 0
-
-    legal = beside(np.zeros(3, np.int64)) & (beside(either[0]) | beside(either[1]))
-    for offset in required:
-        legal &= beside(offset)
-    return int(np.count_nonzero(legal))
 
 
 def _whole_cell(cell: Sequence[int], label: str) -> tuple[int, ...]:

@@ -217,8 +217,10 @@ def _tables(motions: list[Motion]) -> NDArray[np.int64]:
 
 
 def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]) -> None:
-    names = ("stride_x", "stride_y", "start_x", "start_y", "start_z", "goal_x", "goal_y", "goal_z", "layers")
-    names = (*names, "cells", "table", "slots", "crossed")
+    names = (
+        *("stride_x", "stride_y", "start_x", "start_y", "start_z", "goal_x", "goal_y", "goal_z", "layers"),
+        *("cells", "table", "slots", "crossed"),
+    )
     shapes = {motion: move_table(motion).required.shape[:2] for motion in motions}
     places = [(*_places(s), s.world.free.size, motions.index(s.motion), *shapes[s.motion]) for s in scenarios]
     for name, column in zip(names, np.array(places, dtype=np.int64).reshape(-1, len(names)).T, strict=True):

@@ -2,7 +2,7 @@
 
 from antgym.planners.space import Parameter, ParameterSpace
 from antgym.tuning.agent import Agent, Result, tune
-from antgym.tuning.observation import observe
+from antgym.tuning.observation import observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Task
 from antgym.tuning.session import Budget, Session, Trial
 
@@ -17,5 +17,6 @@ __all__ = [
     "Task",
     "Trial",
     "observe",
+    "observe_with_map",
     "tune",
 ]

@@ -1,4 +1,4 @@
-"""What an agent sees, as a vector: one function for environments and policies."""
+"""What an agent sees, as a vector or with a map beside it: one function each for environments and policies."""
 
 from collections.abc import Sequence
 
@@ -35,6 +35,13 @@ def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDA
         best[:] = (*unit, _shown(cost))
     left = (task.budget - len(trials)) / task.budget
     return np.concatenate([task.features, [left], best, history.ravel()]).astype(np.float32)
+
+
+def observe_with_map(
+    task: Task, trials: Sequence[Trial] = (), *, window: int = 0, flat: bool | None = None
+) -> dict[str, NDArray[np.float32]]:
+    """Return ``{"features": observe(...), "map": task.map(flat)}``, copies both."""
+    return {"features": observe(task, trials, window=window), "map": task.map(flat).copy()}
 
 
 def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -1,6 +1,7 @@
 """A tuning problem, as the harness holds it, and the task, which is all of it that an agent may see."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +22,11 @@ GAP_CAP = 1.0
 TRIAL, FRESH = 0, 1  # seed domains: what an agent pays for, and what the harness alone runs
 
 
+def no_map(flat: bool | None = None) -> NDArray[np.float32]:
+    """Stand in for the map of a task that was made without a world."""
+    raise ParameterError(f"this task holds no world, so there is no map of it (flat={flat})")
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """All that an agent may see of a problem: no name, no path, no optimum.
@@ -31,6 +37,8 @@ class Task:
         ants: ants per iteration.
         iterations: iterations per planner run.
         budget: trials the agent may pay for; 0 for a zero-shot recommendation.
+        map: called with ``flat`` or nothing, returns the down-sampled map, read-only; see
+            :func:`antgym.maps.occupancy.occupancy`. It is drawn when it is first asked for.
     """
 
     space: ParameterSpace
@@ -38,6 +46,7 @@ class Task:
     ants: int
     iterations: int
     budget: int
+    map: Callable[..., NDArray[np.float32]] = field(default=no_map, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +97,7 @@ class TuningProblem:
                 f"budget = {budget!r}: must be 0 (zero-shot) or the number of trials to pay for"
             )
         features = task_features(self.scenario, self.ants, self.iterations)
-        return Task(self.space, features, self.ants, self.iterations, budget)
+        return Task(self.space, features, self.ants, self.iterations, budget, self.scenario.chart)
 
     def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
         """Return planner seeds, a pure function of (seed, domain, index), by SeedSequence children."""

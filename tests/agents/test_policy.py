@@ -1,13 +1,16 @@
 """Frozen policies: loaded from stable-baselines3's zip with a card beside it, asked once, paid nothing."""
 
 import json
+from dataclasses import replace
 
+import gymnasium
 import numpy as np
 import pytest
 
 from agents.policy import PolicyAgent
 from antgym.errors import ParameterError
-from antgym.tuning import observe, tune
+from antgym.tuning import Session, observe, observe_with_map, tune
+from antgym.tuning.problem import TuningProblem
 
 
 @pytest.fixture
@@ -41,6 +44,27 @@ def test_a_policy_recommends_its_deterministic_action_and_runs_nothing(checkpoin
     action, _ = model.predict(observe(session.task), deterministic=True)
     np.testing.assert_allclose(result.recommendation, (action + 1) / 2, atol=1e-6)
     assert session.left == 5
+
+
+@pytest.mark.parametrize("kind", ["map2d", "map3d"])
+def test_a_policy_trained_on_maps_looks_at_the_map(tmp_path, valley, kind):
+    sb3 = pytest.importorskip("stable_baselines3")
+    env = gymnasium.make("antgym/MountainOneShot-v0", observation=kind)
+    model = sb3.PPO("MultiInputPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [8]})
+    model.save(tmp_path / "policy.zip")
+    (tmp_path / "policy.json").write_text(json.dumps({"algorithm": "PPO"}))
+    session = Session(TuningProblem(valley), 1)
+    result = tune(PolicyAgent(tmp_path / "policy"), session, seed=0)
+    seen = observe_with_map(session.task, flat=kind == "map2d")
+    action, _ = model.predict(seen, deterministic=True)
+    np.testing.assert_allclose(result.recommendation, (action + 1) / 2, atol=1e-6)
+
+
+def test_a_policy_trained_on_another_observation_is_refused(checkpoint, bowl):
+    session = bowl(5)
+    task = replace(session.task, features=np.zeros(3, np.float32))
+    with pytest.raises(ParameterError, match=r"takes observations of shape .*, the task's is \(3,\)"):
+        PolicyAgent(checkpoint[0]).reset(task, seed=0)
 
 
 @pytest.mark.parametrize(

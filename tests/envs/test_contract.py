@@ -12,6 +12,7 @@ from gymnasium.utils.env_checker import check_env
 from antgym.envs.catalogue import CATALOGUE
 from antgym.errors import ParameterError
 from antgym.maps.features import feature_table
+from antgym.maps.occupancy import occupancy, picture_shape
 from antgym.maps.suites import load_suite
 from antgym.planners.rules import PAPERS
 from antgym.tuning.features import TASK_FEATURES
@@ -19,10 +20,18 @@ from antgym.tuning.features import TASK_FEATURES
 EFFORT = [3, 5]
 ZERO = np.zeros(4, np.float32)
 pytestmark = pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
+with_and_without_map = pytest.mark.parametrize("observation", ["features", "map", "map2d"])
 
 
 def make(entry, **kwargs):
     return gymnasium.make(entry.id, **{"effort": EFFORT, **kwargs})
+
+
+def frozen(observation):
+    """The bytes of an observation, of each part by name where it has several."""
+    if isinstance(observation, dict):
+        return {name: part.tobytes() for name, part in observation.items()}
+    return observation.tobytes()
 
 
 def rollout(env, episodes=2, seed=None, actions=0):
@@ -30,12 +39,12 @@ def rollout(env, episodes=2, seed=None, actions=0):
     rng, seen = np.random.default_rng(actions), []
     for episode in range(episodes):
         observation, info = env.reset(seed=seed if episode == 0 else None)
-        seen.append((observation.tobytes(), info))
+        seen.append((frozen(observation), info))
         over = False
         while not over:
             action = rng.uniform(-1, 1, 4).astype(np.float32)
             observation, reward, over, truncated, info = env.step(action)
-            seen.append((observation.tobytes(), reward, over, truncated, info))
+            seen.append((frozen(observation), reward, over, truncated, info))
     return seen
 
 
@@ -45,8 +54,9 @@ def finish(env):
         pass
 
 
-def test_gymnasium_finds_nothing_to_warn_of(entry):
-    env = gymnasium.make(entry.id)
+@with_and_without_map
+def test_gymnasium_finds_nothing_to_warn_of(entry, observation):
+    env = gymnasium.make(entry.id, observation=observation)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(env.unwrapped)
@@ -84,9 +94,10 @@ def test_seeding_again_begins_anew(entry):
     assert rollout(env, episodes=3, seed=4) == first
 
 
+@with_and_without_map
 @pytest.mark.parametrize("begun", [False, True])
-def test_a_pickled_environment_goes_on_like_the_original(entry, begun):
-    env = make(entry)
+def test_a_pickled_environment_goes_on_like_the_original(entry, begun, observation):
+    env = make(entry, observation=observation)
     env.reset(seed=3)
     if begun:
         env.step(ZERO)
@@ -99,14 +110,16 @@ def test_an_environment_pickles_before_its_first_reset(entry):
     assert rollout(pickle.loads(pickle.dumps(env)), seed=3) == rollout(env, seed=3)
 
 
-def test_the_spec_makes_the_same_environment_after_json(entry):
-    env = make(entry, split="validation", reward="length")
+@with_and_without_map
+def test_the_spec_makes_the_same_environment_after_json(entry, observation):
+    env = make(entry, split="validation", reward="length", observation=observation)
     again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
     assert rollout(again, seed=2) == rollout(env, seed=2)
 
 
-def test_observations_lie_in_the_space(entry):
-    env = make(entry)
+@with_and_without_map
+def test_observations_lie_in_the_space(entry, observation):
+    env = make(entry, observation=observation)
     for _ in range(3):
         observation, _ = env.reset()
         over = False
@@ -116,13 +129,51 @@ def test_observations_lie_in_the_space(entry):
         assert observation in env.observation_space
 
 
-def test_earlier_observations_are_not_written_over(entry):
-    env = make(entry)
+@with_and_without_map
+def test_earlier_observations_are_not_written_over(entry, observation):
+    env = make(entry, observation=observation)
     first, _ = env.reset(seed=0)
-    kept = first.copy()
+    kept = frozen(first)
     env.step(ZERO)
     env.reset()
-    assert first.tolist() == kept.tolist()
+    assert frozen(first) == kept
+
+
+@pytest.mark.parametrize("observation", ["map", "map2d", "map3d"])
+def test_a_map_comes_beside_the_features_and_changes_nothing_else(entry, observation):
+    plain, mapped = (rollout(make(entry, observation=kind), seed=5) for kind in ("features", observation))
+    assert [(step[0]["features"], *step[1:]) for step in mapped] == plain
+
+
+def test_the_map_is_that_of_the_scenario(entry):
+    env = make(entry, observation="map", split="test")
+    for picked in (3, 4):
+        seen, _ = env.reset(seed=0, options={"scenario": picked})
+        scenario = load_suite(entry.kwargs["suite"], "test")[picked].scenario
+        assert (seen["map"] == occupancy(scenario)).all()
+
+
+@pytest.mark.parametrize("kind", ["map2d", "map3d"])
+def test_a_map_has_the_shape_asked_for(entry, kind):
+    spaces = make(entry, observation=kind).observation_space
+    assert list(spaces) == ["features", "map"]
+    assert spaces["map"] == gymnasium.spaces.Box(0, 1, picture_shape(kind == "map2d"), np.float32)
+    assert spaces["features"] == make(entry).observation_space
+
+
+def test_a_map_has_one_shape_in_all_splits_that_of_the_suites_first_training_scenario(entry):
+    flat = load_suite(entry.kwargs["suite"], "train")[0].scenario.world.shape[2] == 1
+    for split in ("train", "validation", "test"):
+        space = make(entry, observation="map", split=split).observation_space
+        assert space["map"].shape == picture_shape(flat)
+
+
+def test_what_is_drawn_on_a_map_shows_nowhere_else(entry):
+    env = make(entry, observation="map")
+    seen, _ = env.reset(seed=0)
+    seen["map"][:] = 7
+    assert env.step(ZERO)[0] in env.observation_space
+    assert 7 not in env.reset(seed=0)[0]["map"]
 
 
 def test_info_holds_plain_values(entry):
@@ -201,6 +252,9 @@ def test_rendering_without_a_mode_says_how_to_get_one(entry):
         ({"split": "trein"}, "unknown split 'trein'; did you mean 'train'"),
         ({"split": None}, "unknown split None"),
         ({"reward": "gaps"}, "unknown reward 'gaps'; did you mean 'gap'"),
+        ({"observation": "mpa"}, "unknown observation 'mpa'; did you mean 'map'"),
+        ({"observation": "map4d"}, "unknown observation 'map4d'; did you mean 'map"),
+        ({"observation": None}, "unknown observation None"),
         ({"render_mode": "ansii"}, "unknown render_mode 'ansii'; did you mean 'ansi'"),
         ({"suite": "mountains-v0"}, "unknown suite 'mountains-v0'; did you mean 'mountain-v0'"),
         ({"effort": [0, 10]}, r"effort = \[0, 10\]: needs \(ants, iterations\)"),

@@ -5,7 +5,11 @@ import numpy as np
 import pytest
 
 import antgym  # noqa: F401 - registers the environments
+from antgym.envs import base
+from antgym.envs.one_shot import OneShotEnv
 from antgym.errors import ParameterError
+from antgym.maps.suites import SuiteItem
+from antgym.maps.world import GridWorld, Scenario
 from antgym.tuning.problem import COST_CAP, FRESH
 
 MODERATE = {"alpha": 1.0, "beta": 0.3, "rho": 0.9, "Q": 100.0}
@@ -58,6 +62,16 @@ def test_every_planner_run_is_counted():
     for kind, each in (("gap", 1), ("length", 1), ("improvement", 2)):
         *_, (env, _, _) = steps(3, reward=kind)
         assert env.planner_runs == 3 * each
+
+
+def test_the_map_of_a_flat_suite_is_flat(monkeypatch):
+    world = GridWorld(np.ones((9, 40)))
+    item = SuiteItem("plain", Scenario(world, (0, 20), (8, 20)), 3, 5, "liu2020")
+    monkeypatch.setattr(base, "load_suite", lambda *_: (item,))
+    for kind, shape in (("map", (3, 32, 32)), ("map3d", (3, 16, 16, 16))):
+        env = OneShotEnv("plain-v0", observation=kind)
+        assert env.reset(seed=0)[0]["map"].shape == shape
+        assert env.step(np.zeros(4, np.float32))[0] in env.observation_space
 
 
 @pytest.mark.parametrize("name", ["budget", "window"])

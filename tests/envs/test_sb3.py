@@ -74,6 +74,30 @@ def test_attributes_and_methods_of_the_slots_are_reached(envs):
     assert envs.env_is_wrapped(gymnasium.Wrapper) == [False] * N
 
 
+def test_a_map_comes_beside_the_features_and_so_does_the_last_one():
+    envs = make_sb3_vec(ID, N, seed=4, observation="map", **EFFORT)
+    native = gymnasium.make_vec(ID, num_envs=N, observation="map", **EFFORT)
+    begun, first = envs.reset(), native.reset(seed=4)[0]
+    actions = np.zeros((N, 4), np.float32)
+    (observations, _, _, infos), (theirs, *_) = envs.step(actions), native.step(actions)
+    for name in ("features", "map"):
+        assert (begun[name] == first[name]).all()
+        assert (observations[name] == theirs[name]).all()
+        assert (infos[1]["terminal_observation"][name] == begun[name][1]).all()
+
+
+@pytest.mark.parametrize("kind", ["map2d", "map3d"])
+def test_ppo_learns_from_maps(kind):
+    from stable_baselines3 import PPO
+
+    envs = make_sb3_vec(ID, 8, seed=0, observation=kind, **EFFORT)
+    model = PPO("MultiInputPolicy", envs, n_steps=16, batch_size=32, n_epochs=1, device="cpu", seed=0)
+    before = {name: value.clone() for name, value in model.policy.state_dict().items()}
+    model.learn(256)
+    assert envs.native.planner_runs == 256
+    assert any((value != before[name]).any() for name, value in model.policy.state_dict().items())
+
+
 @pytest.mark.slow
 def test_ppo_learns_on_it():
     from stable_baselines3 import PPO

@@ -1,6 +1,7 @@
 """The native batch: what single environments give with the seeds of its slots, in one planner call."""
 
 import warnings
+from copy import deepcopy
 
 import gymnasium
 import numpy as np
@@ -16,6 +17,7 @@ from antgym.tuning import problem as problems
 IDS = [entry.id for entry in CATALOGUE]
 ONE_SHOT, TRIALS = IDS
 MODES = list(AutoresetMode)
+with_and_without_map = pytest.mark.parametrize("observation", ["features", "map"])
 N, ROOT = 3, 5
 
 
@@ -27,13 +29,13 @@ def native(env_id, count=N, **kwargs):
     return gymnasium.make_vec(env_id, num_envs=count, **{**settings(env_id), **kwargs})
 
 
-def singles(env_id, mode):
+def singles(env_id, mode, **kwargs):
     return gymnasium.make_vec(
         env_id,
         num_envs=N,
         vectorization_mode="sync",
         vector_kwargs={"autoreset_mode": mode},
-        **settings(env_id),
+        **{**settings(env_id), **kwargs},
     )
 
 
@@ -45,8 +47,10 @@ def assert_same(one, other):
 
 @pytest.mark.parametrize("env_id", IDS)
 @pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
-def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode):
-    batch, alone = native(env_id, autoreset_mode=mode), singles(env_id, mode)
+@with_and_without_map
+def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode, observation):
+    batch = native(env_id, autoreset_mode=mode, observation=observation)
+    alone = singles(env_id, mode, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng = np.random.default_rng(0)
     for _ in range(9):
@@ -56,10 +60,10 @@ def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode):
 
 
 @pytest.mark.parametrize("env_id", IDS)
-def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id):
-    batch, alone = (
-        make(env_id, AutoresetMode.DISABLED) for make in (lambda i, m: native(i, autoreset_mode=m), singles)
-    )
+@with_and_without_map
+def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id, observation):
+    batch = native(env_id, autoreset_mode=AutoresetMode.DISABLED, observation=observation)
+    alone = singles(env_id, AutoresetMode.DISABLED, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng, over = np.random.default_rng(0), np.zeros(N, bool)
     for _ in range(9):
@@ -73,8 +77,10 @@ def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id):
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_slots_out_of_step_end_each_on_its_own(mode):
-    batch, alone = native(TRIALS, autoreset_mode=mode), singles(TRIALS, mode)
+@with_and_without_map
+def test_slots_out_of_step_end_each_on_its_own(mode, observation):
+    batch = native(TRIALS, autoreset_mode=mode, observation=observation)
+    alone = singles(TRIALS, mode, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     actions, over = np.zeros((N, 4), np.float32), np.array([False, True, False])
     assert_same(batch.step(actions), alone.step(actions))
@@ -248,9 +254,20 @@ def test_a_batch_shows_a_picture_of_every_slot(mode):
     assert np.array_equal(pictures[2], alone.render())
 
 
-def test_earlier_results_are_not_written_over():
-    batch = native(TRIALS)
+@with_and_without_map
+def test_earlier_results_are_not_written_over(observation):
+    batch = native(TRIALS, observation=observation)
     observations, _ = batch.reset(seed=0)
-    kept = observations.copy()
+    kept = deepcopy(observations)
     batch.step(np.zeros((N, 4), np.float32))
-    assert observations.tolist() == kept.tolist()
+    assert_same([observations], [kept])
+
+
+def test_maps_are_batched_beside_the_features():
+    batch = native(ONE_SHOT, observation="map3d")
+    observations, _ = batch.reset(seed=ROOT)
+    assert observations in batch.observation_space
+    assert observations["map"].shape == (N, 3, 16, 16, 16)
+    observations, _, _, _, infos = batch.step(np.zeros((N, 4), np.float32))
+    assert observations in batch.observation_space
+    assert all(last in batch.single_observation_space for last in infos["final_obs"])

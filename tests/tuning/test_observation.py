@@ -1,15 +1,21 @@
 """What an agent sees: bounded, in order, and nothing that depends on the optimum."""
 
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scenarios import scenarios
 
+from antgym.errors import ParameterError
+from antgym.maps.occupancy import occupancy
 from antgym.maps.world import Scenario
 from antgym.tuning.features import TASK_FEATURES, task_features
-from antgym.tuning.observation import bounds, observe
-from antgym.tuning.problem import COST_CAP, TuningProblem
+from antgym.tuning.observation import bounds, observe, observe_with_map
+from antgym.tuning.problem import COST_CAP, Task, TuningProblem
 from antgym.tuning.session import Session, Trial
 
 N = len(TASK_FEATURES)
@@ -87,6 +93,7 @@ def walk(scenario):
     rng, seen = np.random.default_rng(0), []
     while session.left:
         seen.append(observe(session.task, session.trials, window=4).tobytes())
+        seen += [session.task.map(flat).tobytes() for flat in (None, True, False)]
         seen.append(repr(session.evaluate(rng.random((2, 4)))))
     space = session.task.space
     return [*seen, observe(session.task, session.trials, window=4).tobytes(), repr(space)]
@@ -104,8 +111,48 @@ def test_an_agent_can_tune_where_the_optimum_cannot_be_known(monkeypatch):
     monkeypatch.setattr(
         Scenario, "optimum", property(lambda _: pytest.fail("somebody asked for the optimum"))
     )
-    assert len(walk(random_scenario(0))) == 8
+    assert len(walk(random_scenario(0))) == 17
 
 
 def test_a_task_holds_no_name_no_scenario_and_no_seed(task):
-    assert set(vars(task)) == {"space", "features", "ants", "iterations", "budget"}
+    assert set(vars(task)) == {"space", "features", "ants", "iterations", "budget", "map"}
+
+
+def test_nothing_that_a_task_holds_leads_to_its_scenario(valley):
+    """Its map is drawn when it is asked for, from cells alone."""
+    named = replace(valley, name="a-telling-name")
+    _ = named.optimum
+    task = TuningProblem(named, seed=918_273_645).task(8)
+    task.map()
+    kept = pickle.dumps(task)
+    assert not any(word in kept for word in (b"a-telling-name", b"Scenario", b"optimum"))
+    assert (918_273_645).to_bytes(4, "little") not in kept
+    assert "map" not in repr(task)
+
+
+@settings(deadline=None, max_examples=20)
+@given(scenario=scenarios())
+def test_the_features_of_a_task_are_bounded_under_every_motion(scenario):
+    low, high = bounds(4)
+    seen = task_features(scenario, ants=10, iterations=100)
+    assert ((low <= seen) & (seen <= high)).all()
+
+
+@pytest.mark.parametrize("flat", [None, True, False])
+def test_a_task_shows_the_map_on_request(task, valley, flat):
+    assert (task.map(flat) == occupancy(valley, flat)).all()
+    assert task.map(flat) is task.map(flat)
+
+
+def test_a_map_is_seen_beside_the_features(task):
+    seen = observe_with_map(task, trials((A, 1.0)), window=2, flat=True)
+    assert seen["features"].tolist() == observe(task, trials((A, 1.0)), window=2).tolist()
+    assert (seen["map"] == task.map(True)).all()
+    seen["map"][:] = 7
+    assert 7 not in task.map(True)
+
+
+def test_a_task_without_a_world_says_that_it_has_no_map(task):
+    bare = Task(task.space, task.features, 10, 100, 8)
+    with pytest.raises(ParameterError, match="holds no world, so there is no map"):
+        bare.map()
