@@ -1,6 +1,7 @@
 """What every generated scenario keeps to, and that the families are as varied as they claim."""
 
 import importlib.util
+import math
 
 import numpy as np
 import pytest
@@ -11,11 +12,13 @@ from hypothesis import strategies as st
 from antgym.errors import MapError, ScenarioError
 from antgym.maps.features import legal_moves
 from antgym.maps.generators import FAMILIES, RARELY, random_arrival, terrain_windows
-from antgym.maps.motion import move_table
+from antgym.maps.motion import Motion, move_table
 from antgym.maps.readers import HeightField, jacksboro
 from antgym.maps.world import GridWorld, Scenario
 
 SEEDS = st.integers(0, 2**32 - 1)
+FLAT = ("rooms", "mazes", "clutter", "warehouse")
+LAYERED = tuple(family for family in FAMILIES if family not in FLAT)
 
 
 def drawn(seed, size=15, family="mountains"):
@@ -27,26 +30,47 @@ def rolling_hills(rows, columns):
     return HeightField(np.sin(i / 9.0) + np.cos(j / 7.0), (10.0, 14.0), "data/hills.asc")
 
 
-@settings(max_examples=25, deadline=None)
-@given(seed=SEEDS, size=st.integers(8, 19), family=st.sampled_from(sorted(FAMILIES)))
-def test_generated_scenarios_lead_from_the_first_to_the_last_layer_over_solid_ground(seed, size, family):
+@settings(max_examples=60, deadline=None)
+@given(seed=SEEDS, size=st.integers(8, 24), family=st.sampled_from(LAYERED))
+def test_layered_families_lead_from_the_first_to_the_last_layer_of_a_cube(seed, size, family):
     scenario = drawn(seed, size, family)
-    free = scenario.world.free.astype(bool)
-    assert free.shape == (size, size, size)
-    assert scenario.world.cell == (15.0, 15.0, 15.0)
-    assert (free[:, :, 1:] >= free[:, :, :-1]).all()
+    assert (scenario.world.shape, scenario.world.cell) == ((size,) * 3, (15.0,) * 3)
+    assert (scenario.motion, scenario.name) == (Motion("layered"), family)
     assert (scenario.start[0], scenario.goal[0]) == (0, size - 1)
-    for x, y, z in (scenario.start, scenario.goal):
-        assert z == 0 or not free[x, y, z - 1]
     assert scenario.optimum >= scenario.straight_line
     assert random_arrival(scenario) >= RARELY
 
 
-@settings(max_examples=10, deadline=None)
-@given(seed=SEEDS)
-def test_the_generator_state_alone_decides_the_scenario(seed):
-    assert drawn(seed).digest == drawn(seed).digest
-    assert drawn(seed).digest != drawn(seed + 1).digest
+@settings(max_examples=60, deadline=None)
+@given(seed=SEEDS, size=st.integers(8, 61), family=st.sampled_from(FLAT))
+def test_flat_families_lead_across_half_the_world_at_least(seed, size, family):
+    scenario = drawn(seed, size, family)
+    assert (scenario.world.shape, scenario.world.cell) == ((size, size, 1), (0.1,) * 3)
+    assert (scenario.motion, scenario.name) == (Motion("grid8"), family)
+    assert math.dist(scenario.start, scenario.goal) >= size / 2
+    assert scenario.optimum >= scenario.straight_line * (1 - 1e-12)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=SEEDS, size=st.integers(8, 19))
+def test_mountains_stand_on_solid_ground_and_so_do_start_and_goal(seed, size):
+    scenario = drawn(seed, size)
+    free = scenario.world.free.astype(bool)
+    assert (free[:, :, 1:] >= free[:, :, :-1]).all()
+    for x, y, z in (scenario.start, scenario.goal):
+        assert z == 0 or not free[x, y, z - 1]
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=SEEDS, family=st.sampled_from(sorted(FAMILIES)))
+def test_the_generator_state_alone_decides_the_scenario(seed, family):
+    assert drawn(seed, family=family).digest == drawn(seed, family=family).digest
+    assert drawn(seed, family=family).digest != drawn(seed + 1, family=family).digest
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_families_reach_the_largest_size(family):
+    assert drawn(5, 61, family).optimum > 0
 
 
 def test_mountains_range_from_open_to_ceiling_high():
@@ -60,9 +84,10 @@ def test_mountains_range_from_open_to_ceiling_high():
     assert 8 <= (arrivals < 0.3).sum() <= 36
 
 
-def test_mountains_need_room():
-    with pytest.raises(MapError, match="size=7"):
-        drawn(0, size=7)
+@pytest.mark.parametrize("family", FAMILIES)
+def test_families_need_room(family):
+    with pytest.raises(MapError, match=f"{family} has at least 8 cells a side, got size=7"):
+        drawn(0, 7, family)
 
 
 def arrival_by_recursion(scenario, cell):
