@@ -194,11 +194,7 @@ class Scenario:
 
     @cached_property
     def mean_move(self) -> float:
-        """Mean length of all moves between free cells of the world that cross no obstacle, in world units.
-
-        Raises:
-            ScenarioError: if the world has none.
-        """
+        """Mean length of all moves between free cells of the world, in world units; 0 where there is none."""
         from antgym.maps.moves import mean_length
 
         return mean_length(self)
