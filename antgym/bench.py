@@ -14,10 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
+from antgym.maps.motion import Motion
 from antgym.maps.shaping import voxelise
-from antgym.maps.world import Scenario
+from antgym.maps.world import GridWorld, Scenario
 from antgym.planners.rules import Rules
 
+BLOCKED, PLANE_SEED = 0.25, 1  # of the plane; this one has a way through
 PARAMETERS = (1.0, 5.0, 0.9, 100.0)
 """α, β, ρ and Q of every workload."""
 
@@ -26,14 +28,15 @@ Work = Callable[[int], int]
 
 
 class Workload(NamedTuple):
-    """One plan over the standard mountains, η = 1 / (step + distance to the goal).
+    """One plan over the standard mountains or the standard plane, η = 1 / (step + distance to the goal).
 
     Attributes:
         name: how tables and ``--workload`` call it.
         ants, iterations: effort.
         q0: probability of the greedy move.
-        size: cells along y and z.
+        size: cells along y and z; along x and y of a plane.
         layers: moves of a path; by default ``size - 1``, a cube.
+        plane: whether the ants walk the plane, eight neighbours and a tabu list, instead of the mountains.
     """
 
     name: str
@@ -42,6 +45,7 @@ class Workload(NamedTuple):
     q0: float = 0.0
     size: int = 21
     layers: int | None = None
+    plane: bool = False
 
     @property
     def rules(self) -> Rules:
@@ -49,8 +53,8 @@ class Workload(NamedTuple):
         return Rules(w1=1.0, w2=0.0, q0=self.q0)
 
     def scenario(self) -> Scenario:
-        """Return the mountains of this workload."""
-        return standard_scenario(self.size, self.layers)
+        """Return the world of this workload."""
+        return standard_plane(self.size) if self.plane else standard_scenario(self.size, self.layers)
 
 
 WORKLOADS = (
@@ -58,6 +62,7 @@ WORKLOADS = (
     Workload("30x150", 30, 150),
     Workload("50x200", 50, 200),
     Workload("50x200-greedy", 50, 200, q0=0.5),
+    Workload("plane-50x100", 50, 100, size=20, plane=True),
 )
 TINY = Workload("tiny", 3, 4, size=9)
 """For trying things out; no table shows it unless asked."""
@@ -89,6 +94,27 @@ def standard_scenario(size: int = 21, layers: int | None = None) -> Scenario:
     return Scenario(world, start, goal, name="standard")
 
 
+def standard_plane(side: int = 20) -> Scenario:
+    """Return a plane of side x side cells, a quarter of them blocked at random, from one corner to the other."""
+    free = np.random.default_rng(PLANE_SEED).random((side, side)) >= BLOCKED
+    free[0, 0] = free[-1, -1] = True
+    return Scenario(GridWorld(free), (0, 0, 0), (side - 1, side - 1, 0), Motion("grid8"), name="plane")
+
+
+def vast_scenario(size: int = 512, boxes: int = 200) -> Scenario:
+    """Return a cube of size cells a side with boxes in it: what a planner meets whose memory grows with the world."""
+    rng = np.random.default_rng(PLANE_SEED)
+    free = np.ones((size, size, size), np.uint8)
+    for _ in range(boxes):
+        low = rng.integers(1, size - size // 12, 3)
+        x, y, z = (slice(first, first + int(rng.integers(size // 50 + 1, size // 12))) for first in low)
+        free[x, y, z] = 0
+    free[-1] = 1
+    middle = size // 2
+    free[0] = 1
+    return Scenario(GridWorld(free), (0, middle, middle), (size - 1, middle, middle), name="vast")
+
+
 def our_planner(workload: Workload) -> Work:
     """Return a turn of antgym's own planner."""
     from antgym.planners.colony import plan  # brings numba, which the memory of another code must not count
@@ -99,7 +125,7 @@ def our_planner(workload: Workload) -> Work:
 
 
 def our_optimum(workload: Workload) -> Work:
-    """Return a turn of the exact planner: dynamic programming over the layers."""
+    """Return a turn of the exact planner: dynamic programming over layers, A* on a plane."""
     from antgym.maps.optimum import shortest_length
 
     scenario = workload.scenario()

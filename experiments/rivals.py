@@ -22,11 +22,6 @@ from antgym.maps.motion import REACH, move_table, step_lengths
 from antgym.maps.world import PAD, Scenario
 
 ROOT = Path(__file__).parents[1]
-SIDE, BLOCKED, PLANE_SEED = (
-    20,
-    0.25,
-    1,
-)  # of the plane that python-motion-planning plans on; this one has a way through
 
 
 class Code(NamedTuple):
@@ -37,6 +32,7 @@ class Code(NamedTuple):
         entry: ``"module:function"``; the function takes a workload and returns a turn.
         moves: whether it walks ants, so that time per move means something.
         part: a turn walks one ``part``-th of the iterations, because a whole plan takes too long.
+        worlds: which workloads it can take: ``"mountains"``, ``"plane"`` or ``"both"``.
         note: where its question is not ours.
     """
 
@@ -44,7 +40,12 @@ class Code(NamedTuple):
     entry: str
     moves: bool = True
     part: int = 1
+    worlds: str = "mountains"
     note: str = ""
+
+    def takes(self, workload: Workload) -> bool:
+        """Whether it can plan this workload."""
+        return self.worlds in ("both", "plane" if workload.plane else "mountains")
 
     def prepare(self, workload: Workload) -> Work:
         """Return the turn; MissingExtraError where the package is absent."""
@@ -62,7 +63,7 @@ class Code(NamedTuple):
 DRAWS = "draws every move, whatever q0"
 
 CODES = (
-    Code("antgym", "antgym.bench:our_planner"),
+    Code("antgym", "antgym.bench:our_planner", worlds="both"),
     Code("plain numba port", "experiments.speed:plain_port", note=DRAWS),
     Code("numpy, ants vectorised", "experiments.rivals:numpy_colony", part=10, note=DRAWS),
     Code(
@@ -75,9 +76,10 @@ CODES = (
         "python-motion-planning 1.1.1",
         "experiments.rivals:python_motion_planning",
         part=10,
-        note=f"same effort and parameters on a {SIDE} x {SIDE} plane, 8 neighbours",
+        worlds="plane",
+        note="same plane, effort and parameters",
     ),
-    Code("exact: our DP", "antgym.bench:our_optimum", moves=False),
+    Code("exact: ours", "antgym.bench:our_optimum", moves=False, worlds="both"),
     Code("exact: scipy Dijkstra", "experiments.rivals:dijkstra", moves=False, note="the graph is given"),
 )
 
@@ -186,7 +188,7 @@ def aco_routing(workload: Workload) -> Work:
 
 
 def python_motion_planning(workload: Workload) -> Work:
-    """Plan with python-motion-planning's ants on its own kind of grid; MissingExtraError where it is absent."""
+    """Plan the plane with python-motion-planning's ants; MissingExtraError where it is absent."""
     try:
         import matplotlib as mpl
 
@@ -195,10 +197,12 @@ def python_motion_planning(workload: Workload) -> Work:
     except ImportError:
         raise MissingExtraError("python-motion-planning", "bench") from None
     alpha, beta, rho, q = PARAMETERS
-    grid = peer.Grid(SIDE + 2, SIDE + 2)
-    blocked = np.argwhere(np.random.default_rng(PLANE_SEED).random((SIDE, SIDE)) < BLOCKED) + 1
-    ends = (1, 1), (SIDE, SIDE)
-    grid.update(grid.obstacles | ({(x, y) for x, y in blocked.tolist()} - set(ends)))
+    scenario = workload.scenario()
+    nx, ny, _ = scenario.world.shape
+    grid = peer.Grid(nx + 2, ny + 2)  # it has a border of its own
+    blocked = np.argwhere(scenario.world.free[:, :, 0] == 0) + 1
+    ends = tuple((x + 1, y + 1) for x, y, _ in (scenario.start, scenario.goal))
+    grid.update(grid.obstacles | {(x, y) for x, y in blocked.tolist()})
     effort = {"n_ants": workload.ants, "max_iter": workload.iterations}
     planner = peer.ACO(*ends, grid, alpha=alpha, beta=beta, rho=1 - rho, Q=q, **effort)
     made: list[Any] = []
@@ -233,6 +237,11 @@ def peak_megabytes(code: Code | None, workload: Workload) -> float:
 def _peak(index: int | None, workload: tuple[Any, ...]) -> None:
     if index is not None:
         CODES[index].prepare(Workload(*workload))(1)
+    print(json.dumps(resident_megabytes()))
+
+
+def resident_megabytes() -> float:
+    """Return the peak resident memory of this process."""
     status = Path("/proc/self/status")
     if status.exists():  # ru_maxrss would count the parent that this process was forked from
         kilobytes = next(int(line.split()[1]) for line in status.open() if line.startswith("VmHWM"))
@@ -240,4 +249,4 @@ def _peak(index: int | None, workload: tuple[Any, ...]) -> None:
         import resource
 
         kilobytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024  # macOS counts bytes
-    print(json.dumps(kilobytes / 1024))
+    return kilobytes / 1024

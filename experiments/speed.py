@@ -39,10 +39,10 @@ from antgym.console import main, parse, write_whole
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.maps.motion import move_table
 from antgym.planners.colony import plan_many
-from experiments.growth import figure, growth, to_table
+from experiments.growth import figure, growth, to_sentence, to_table, vast
 from experiments.rivals import CODES, Code, peak_megabytes
 
-GATE = "20x100"
+GATE = "30x150"
 """The workload whose ratio to the plain port a slow test guards."""
 BATCH = 32  # plans of a turn where two threads are compared with one
 
@@ -54,11 +54,11 @@ class Arguments:
     repeats: int = 5
     """Turns of each code; the median counts."""
     workload: tuple[str, ...] = ()
-    """Workloads by name (20x100, 30x150, 50x200, 50x200-greedy); all by default."""
+    """Workloads by name (20x100, 30x150, 50x200, 50x200-greedy, plane-50x100); all by default."""
     memory: bool = True
     """Whether to measure peak memory, a fresh process for every code."""
     growth: bool = True
-    """Whether to measure how cost grows with ants, iterations, layers and world."""
+    """Whether to measure how cost grows with ants, iterations, layers and world, up to a cube of 512 cells a side."""
     two_threads: bool = True
     """Whether to measure what a second thread gains."""
     out: Annotated[Path | None, tyro.conf.arg(name="json")] = None
@@ -163,7 +163,8 @@ def measure(workload: Workload, repeats: int, memory: bool) -> list[dict[str, An
     """Let all codes take turns on one thread; return a row each, or the reason why it is skipped."""
     works: dict[str, Work] = {}
     rows: list[dict[str, Any]] = []
-    for code in CODES:
+    codes = [code for code in CODES if code.takes(workload)]
+    for code in codes:
         try:
             works[code.name] = code.prepare(workload)
         except MissingExtraError as error:
@@ -172,7 +173,7 @@ def measure(workload: Workload, repeats: int, memory: bool) -> list[dict[str, An
         turns = take_turns(works, repeats)
         moves = {name: work(1) for name, work in works.items()}
     ours = [turn.nanoseconds for turn in turns["antgym"]]
-    for code in CODES:
+    for code in codes:
         if code.name in works:
             cost = [turn.nanoseconds for turn in turns[code.name]]
             row: dict[str, Any] = {
@@ -268,8 +269,11 @@ def run(arguments: Arguments) -> dict[str, Any]:
         base = workloads[0]
         figures["growth"] = growth(base, arguments.repeats)
         console.print(to_table(figures["growth"], base))
+    if arguments.growth:
+        figures["vast"] = vast(base, arguments.repeats)
+        console.print("a cube of 512 cells a side, 20 ants x 20 iterations:", to_sentence(figures["vast"]))
     if arguments.two_threads:
-        figures["two_threads"] = gain = thread_gain(workloads[-1], arguments.repeats)
+        figures["two_threads"] = gain = thread_gain(workloads[0], arguments.repeats)
         console.print("two threads over one:", ", ".join(f"{name} {value}" for name, value in gain.items()))
     if arguments.out is not None:
         write_whole(arguments.out, (json.dumps(figures, indent=2) + "\n").encode())

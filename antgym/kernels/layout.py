@@ -26,7 +26,7 @@ MORE_ROWS, MORE_DEPTH, MORE_CELLS = 1, 2, 3  # Trail.status[WANTS]
 
 RUN = np.dtype(
     [
-        ("origin", np.int64),  # where this world begins in the flat ``free`` array; cells are indices into it
+        ("origin", np.int64),  # where this world begins in ``bits``; a cell is the number of its bit
         ("clear_shift", np.int64),  # from a cell to its place in the flat ``clearance`` array
         ("cells", np.int64),  # of the world: no more nodes than these can ever be visited
         ("stride_x", np.int64),
@@ -41,6 +41,7 @@ RUN = np.dtype(
         ("reach", np.int64),  # cells that y and z may change per layer
         ("table", np.int64),  # which of the move tables
         ("slots", np.int64),  # moves in it
+        ("width", np.int64),  # the same, rounded up to whole LANES
         ("crossed", np.int64),  # cells that each of its moves needs free
         ("ants", np.int64),
         ("iterations", np.int64),
@@ -93,7 +94,7 @@ RUN = np.dtype(
 class Ground(NamedTuple):
     """The worlds of a batch, one behind the other."""
 
-    free: np.ndarray  # flat uint8, 1 = free, with blocked borders
+    bits: np.ndarray  # flat uint8, a bit a cell, 1 = free, with blocked borders
     clearance: np.ndarray  # flat float32 distance to the nearest obstacle, of the worlds that need it
 
 

@@ -7,22 +7,24 @@ monotone, so cell by cell a larger sum never becomes the smaller one.
 import numpy as np
 
 from antgym.kernels import inlined, kernel
+from antgym.kernels.bits import is_free
 
 SIZE, BEGUN = 0, 1  # slots of a search's state
 RANK, SUM, CELL = 0, 1, 2  # columns of a heap
 
 
 @kernel
-def layered_distances(storage, offsets, lengths, start, goal, reach, planes, moves):
+def layered_distances(bits, strides, required, steps, lengths, start, goal, reach, planes, moves):
     """Return the shortest length from start to goal, inf where there is no path.
 
     Lengths are added from the start on, one addition a move, as the ants add theirs; rounding is monotone, so
     no ant's sum can fall below the result by even one bit.
 
     Args:
-        storage: (nx, sy, sz) uint8, 1 = free, blocked borders of ``reach`` cells around y and z.
-        offsets: (k, 3, 3) int64: for each move the cell crossed before the layer boundary, behind it, and the
-            end cell, relative to the current cell.
+        bits: flat uint8, a bit a cell, 1 = free, blocked borders of ``reach`` cells around y and z.
+        strides: (3,) int64 of ``bits`` along x, y, z, in cells.
+        required: (k, r) int64: for each move the offsets into ``bits`` of the cells that it needs free.
+        steps: (k, 3) int64, cells moved.
         lengths: (k,) float64, length of each move.
         start: (3,) int64 cell in storage indices.
         goal: (3,) int64 cell in storage indices.
@@ -30,7 +32,7 @@ def layered_distances(storage, offsets, lengths, start, goal, reach, planes, mov
         planes: (2, sy, sz) float64, scratch: distances to this layer and to the next.
         moves: (layers, sy, sz) uint8 to receive the last move into each cell, or (0, 0, 0) for lengths alone.
     """
-    _, sy, sz = storage.shape
+    _, sy, sz = planes.shape
     layers = goal[0] - start[0]
     here, there = planes[0], planes[1]
     here[:, :] = np.inf
@@ -44,12 +46,13 @@ def layered_distances(storage, offsets, lengths, start, goal, reach, planes, mov
             for z in range(max(reach, start[2] - spread), min(sz - reach, start[2] + spread + 1)):
                 if here[y, z] == np.inf:
                     continue
+                cell = x * strides[0] + y * strides[1] + z
                 for k in range(lengths.shape[0]):
-                    yn, zn = y + offsets[k, 2, 1], z + offsets[k, 2, 2]
+                    yn, zn = y + steps[k, 1], z + steps[k, 2]
                     if abs(yn - goal[1]) > left or abs(zn - goal[2]) > left:
                         continue
                     total = here[y, z] + lengths[k]
-                    if total < there[yn, zn] and _legal(storage, offsets, k, x, y, z):
+                    if total < there[yn, zn] and _all_free(bits, required, k, cell):
                         there[yn, zn] = total
                         if moves.shape[0] > 0:
                             moves[layer, yn, zn] = k
@@ -57,19 +60,18 @@ def layered_distances(storage, offsets, lengths, start, goal, reach, planes, mov
     return here[goal[1], goal[2]]
 
 
-@kernel
-def _legal(storage, offsets, k, x, y, z):
-    """Whether move k from a free cell ends in a free cell and crosses none that is blocked."""
-    for part in range(3):
-        dx, dy, dz = offsets[k, part, 0], offsets[k, part, 1], offsets[k, part, 2]
-        if storage[x + dx, y + dy, z + dz] == 0:
-            return False
-    return True
+@inlined
+def _all_free(bits, required, k, cell):
+    """Whether all cells are free that move k needs so."""
+    free = True
+    for r in range(required.shape[1]):
+        free = free and is_free(bits, cell + required[k, r])
+    return free
 
 
 @kernel
 def grid_search(
-    free, steps, required, either, lengths, spans, scale, strides, start, goal, sums, heap, state
+    bits, steps, required, either, lengths, spans, scale, strides, start, goal, sums, heap, state
 ):
     """Search on from where ``state`` says; return True when done, False when the heap needs more room.
 
@@ -79,14 +81,14 @@ def grid_search(
     one bit. The estimate is the exact length in an empty world.
 
     Args:
-        free: (n,) uint8, the world's storage, 1 = free; its borders are blocked.
+        bits: flat uint8, a bit a cell, 1 = free; the world's borders are blocked.
         steps: (k, 3) int64, cells moved.
-        required: (k, r) int64, offsets into ``free`` of the cells that a move needs free.
+        required: (k, r) int64, offsets into ``bits`` of the cells that a move needs free.
         either: (k, 2) int64, offsets of two cells of which it needs one.
         lengths: (k,) float64, length of each move.
         spans: (8,) float64, way of one cell along the axes whose bits are set in the index.
         scale: ranks per world unit: so few that rounding cannot scatter equal lengths over more than two ranks.
-        strides: (3,) int64 of ``free`` along x, y, z.
+        strides: (3,) int64 of ``bits`` along x, y, z, in cells.
         start: (3,) int64 cell in storage indices.
         goal: (3,) int64 cell in storage indices.
         sums: (n,) float64, zeros at first; receives the shortest sum to every cell reached.
@@ -112,9 +114,9 @@ def grid_search(
         for k in range(lengths.shape[0]):
             end = cell + steps[k, 0] * strides[0] + steps[k, 1] * strides[1] + steps[k, 2]
             way = total + lengths[k]
-            if free[end] == 0 or end == first or (sums[end] > 0.0 and sums[end] <= way):
+            if not is_free(bits, end) or end == first or (sums[end] > 0.0 and sums[end] <= way):
                 continue
-            if not _open(free, required, either, k, cell):
+            if not _open(bits, required, either, k, cell):
                 continue
             sums[end] = way
             left = _empty_way(
@@ -134,12 +136,11 @@ def _rank(length, scale):
 
 
 @inlined
-def _open(free, required, either, k, cell):
+def _open(bits, required, either, k, cell):
     """Whether move k from a cell is legal."""
-    for r in range(required.shape[1]):
-        if free[cell + required[k, r]] == 0:
-            return False
-    return free[cell + either[k, 0]] != 0 or free[cell + either[k, 1]] != 0
+    if not _all_free(bits, required, k, cell):
+        return False
+    return is_free(bits, cell + either[k, 0]) or is_free(bits, cell + either[k, 1])
 
 
 @inlined

@@ -3,6 +3,7 @@
 import numpy as np
 
 from antgym.kernels import inlined, kernel
+from antgym.kernels.bits import is_free
 from antgym.kernels.floats import log2
 from antgym.kernels.layout import BLOCKED, LOOKAHEAD, WIDTH
 
@@ -85,13 +86,12 @@ def is_legal(ground, run, moves, cell, y, z, left, k):
         abs(run.goal_y - y - moves.dy[k]) <= slack and abs(run.goal_z - z - moves.dz[k]) <= slack
     )
     if legal:
-        for part in range(3):
-            legal = legal and ground.free[cell + moves.required[part, k]] != 0
-        for part in range(3, run.crossed):
-            legal = legal and ground.free[cell + moves.required[part, k]] != 0
+        for part in range(run.crossed):
+            legal = legal and is_free(ground.bits, cell + moves.required[part, k])
         if run.either:
             legal = legal and (
-                ground.free[cell + moves.either[0, k]] != 0 or ground.free[cell + moves.either[1, k]] != 0
+                is_free(ground.bits, cell + moves.either[0, k])
+                or is_free(ground.bits, cell + moves.either[1, k])
             )
         if legal and run.z3 > _ZERO:
             legal = ground.clearance[cell + moves.end[k] + run.clear_shift] > run.ramp_from

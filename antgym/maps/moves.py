@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.errors import ScenarioError
 from antgym.maps.motion import REACH, Motion, move_table, step_lengths
 from antgym.maps.world import PAD, GridWorld, Scenario
 
@@ -72,17 +71,11 @@ def legal_moves(scenario: Scenario, cells: NDArray[np.int64]) -> NDArray[np.bool
 
 
 def mean_length(scenario: Scenario) -> float:
-    """Return the mean length of all legal moves between the world's cells, wherever a layered goal lies.
-
-    Raises:
-        ScenarioError: if there is none.
-    """
+    """Return the mean length of all moves between the world's cells, wherever a layered goal lies; 0 without any."""
     table = move_table(scenario.motion)
     rows = zip(table.required, table.either, strict=True)
     counts = np.array([_count(scenario.world, required, either) for required, either in rows])
-    if not counts.any():
-        raise ScenarioError(f"scenario {scenario.name!r}: no cell of its world has a move to another")
-    return float((counts * step_lengths(scenario.motion, scenario.world.cell)).sum() / counts.sum())
+    return float((counts * step_lengths(scenario.motion, scenario.world.cell)).sum() / max(counts.sum(), 1))
 
 
 def _count(world: GridWorld, required: NDArray[np.int64], either: NDArray[np.int64]) -> int:

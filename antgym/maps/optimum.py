@@ -5,6 +5,8 @@ such sum over all paths, so no plan is shorter, not even by one bit. It is withi
 relatively, for n moves. Layers are swept by dynamic programming; grids are searched by A*.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +32,7 @@ def shortest_path(scenario: Scenario) -> NDArray[np.int64]:
 
 def _layered_path(scenario: Scenario) -> NDArray[np.int64]:
     table = move_table(scenario.motion)
-    moves = np.empty((scenario.layers, *scenario.world.storage.shape[1:]), dtype=np.uint8)
+    moves = np.empty((scenario.layers, *scenario.world.padded[1:]), dtype=np.uint8)
     _sweep(scenario, moves)
     path = np.empty((scenario.layers + 1, 3), dtype=np.int64)
     path[-1] = scenario.goal
@@ -43,14 +45,17 @@ def _layered_path(scenario: Scenario) -> NDArray[np.int64]:
 def _sweep(scenario: Scenario, moves: NDArray[np.uint8]) -> float:
     from antgym.kernels.paths import layered_distances
 
+    table, strides = move_table(scenario.motion), np.array(scenario.world.strides)
     length = layered_distances(
-        scenario.world.storage,
-        move_table(scenario.motion).required,
+        scenario.world.bits,
+        strides,
+        table.required @ strides,
+        table.steps,
         step_lengths(scenario.motion, scenario.world.cell),
         np.asarray(scenario.start) + PAD,
         np.asarray(scenario.goal) + PAD,
         REACH,
-        np.empty((2, *scenario.world.storage.shape[1:])),
+        np.empty((2, *scenario.world.padded[1:])),
         moves,
     )
     return _found(scenario, float(length))
@@ -58,7 +63,7 @@ def _sweep(scenario: Scenario, moves: NDArray[np.uint8]) -> float:
 
 def _grid_path(scenario: Scenario) -> NDArray[np.int64]:
     """Walk back from the goal along moves whose sums agree to the bit; the search left all of them final."""
-    free, strides = scenario.world.storage.reshape(-1), _strides(scenario)
+    free, strides = scenario.world.storage.reshape(-1), np.array(scenario.world.strides)
     table, lengths = move_table(scenario.motion), step_lengths(scenario.motion, scenario.world.cell)
     steps, required, either = table.steps @ strides, table.required @ strides, table.either @ strides
     sums, start = _search(scenario)[1], (np.asarray(scenario.start) + PAD) @ strides
@@ -68,20 +73,20 @@ def _grid_path(scenario: Scenario) -> NDArray[np.int64]:
         leads = (sums[before] + lengths == sums[cells[-1]]) & ((sums[before] > 0) | (before == start))
         leads &= free[before[:, None] + required].all(axis=1) & free[before[:, None] + either].any(axis=1)
         cells.append(int(before[leads.argmax()]))
-    return np.stack(np.unravel_index(cells[::-1], scenario.world.storage.shape), axis=1) - PAD
+    return np.stack(np.unravel_index(cells[::-1], scenario.world.padded), axis=1) - PAD
 
 
 def _search(scenario: Scenario) -> tuple[float, NDArray[np.float64]]:
     """Return the shortest length and the flat sums over storage cells, 0.0 in all that were not reached."""
     from antgym.kernels.paths import grid_search
 
-    table, strides = move_table(scenario.motion), _strides(scenario)
-    sums = np.zeros(scenario.world.storage.size)  # untouched pages take no memory
+    table, strides = move_table(scenario.motion), np.array(scenario.world.strides)
+    sums = np.zeros(math.prod(scenario.world.padded))  # untouched pages take no memory
     heap = np.empty((_HEAP, 3))
     state = np.zeros(2, dtype=np.int64)
     lengths = step_lengths(scenario.motion, scenario.world.cell)
     arrays = (
-        scenario.world.storage.reshape(-1),
+        scenario.world.bits,
         table.steps,
         table.required @ strides,
         table.either @ strides,
@@ -103,11 +108,6 @@ def _spans(motion: Motion, cell: tuple[float, float, float]) -> NDArray[np.float
     bits = np.arange(8)[:, None] >> np.arange(3) & 1
     edges = bits * np.asarray(cell)
     return edges.sum(axis=1) if motion.name == "grid4" else np.sqrt((edges * edges).sum(axis=1))
-
-
-def _strides(scenario: Scenario) -> NDArray[np.int64]:
-    _, sy, sz = scenario.world.storage.shape
-    return np.array((sy * sz, sz, 1), dtype=np.int64)
 
 
 def _found(scenario: Scenario, length: float) -> float:

@@ -22,7 +22,7 @@ PAD = REACH  # blocked border cells on every side, so that no move needs a bound
 Cell = tuple[int, int, int]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class GridWorld:
     """A box of equal cells, each free (1) or blocked (0).
 
@@ -30,48 +30,79 @@ class GridWorld:
         free: (nx, ny, nz) array of 0/1 or bool, or (nx, ny) for a flat world, one cell high; copied.
         cell: edge lengths of a cell along x, y, z in world units (any unit; lengths come out in it).
 
+    Attributes:
+        cell: as above.
+        shape: cells along x, y, z.
+        bits: flat uint8, what the kernels read: a bit a cell of ``storage``, in its order, lowest bits first.
+
     Raises:
         MapError: if the array has neither two nor three dimensions, is empty or holds anything but 0 and 1, or
             if a cell edge is not positive and finite.
     """
 
-    free: NDArray[np.uint8]
-    cell: tuple[float, float, float] = (15.0, 15.0, 15.0)
-    storage: NDArray[np.uint8] = field(init=False, repr=False)
-    """(nx + 2 PAD, ny + 2 PAD, nz + 2 PAD) uint8, C order: what the kernels read; ``free`` is a view into it."""
+    cell: tuple[float, float, float]
+    shape: Cell
+    bits: NDArray[np.uint8] = field(repr=False)
 
-    def __post_init__(self) -> None:
-        free = np.asarray(self.free)
-        if free.ndim not in (2, 3) or free.size == 0:
-            raise MapError(f"a world is a non-empty (nx, ny, nz) or (nx, ny) array, got shape {free.shape}")
-        if not _is_binary(free):
+    def __init__(self, free: ArrayLike, cell: tuple[float, float, float] = (15.0, 15.0, 15.0)) -> None:
+        array = np.asarray(free)
+        if array.ndim not in (2, 3) or array.size == 0:
+            raise MapError(f"a world is a non-empty (nx, ny, nz) or (nx, ny) array, got shape {array.shape}")
+        if not _is_binary(array):
             raise MapError(
                 "a world holds only 0 (blocked) and 1 (free); threshold it first, or use voxelise()"
             )
-        cell = tuple(float(edge) for edge in self.cell)
-        if len(cell) != 3 or not all(np.isfinite(edge) and edge > 0 for edge in cell):
-            raise MapError(f"cell edges must be three positive numbers (x, y, z), got {self.cell}")
-        free = free.reshape(*free.shape[:2], -1)
-        storage = np.zeros([n + 2 * PAD for n in free.shape], dtype=np.uint8)
-        storage[PAD:-PAD, PAD:-PAD, PAD:-PAD] = free
-        storage.setflags(write=False)
-        object.__setattr__(self, "storage", storage)
-        object.__setattr__(self, "free", storage[PAD:-PAD, PAD:-PAD, PAD:-PAD])
-        object.__setattr__(self, "cell", cell)
+        edges = tuple(float(edge) for edge in cell)
+        if len(edges) != 3 or not all(np.isfinite(edge) and edge > 0 for edge in edges):
+            raise MapError(f"cell edges must be three positive numbers (x, y, z), got {cell}")
+        array = array.reshape(*array.shape[:2], -1)
+        object.__setattr__(self, "cell", edges)
+        object.__setattr__(self, "shape", array.shape)
+        object.__setattr__(self, "bits", _packed(array))
 
     def __reduce__(self) -> tuple[type["GridWorld"], tuple[NDArray[np.uint8], tuple[float, float, float]]]:
         return GridWorld, (self.free, self.cell)  # built anew, so that a copy is read-only too
 
     @property
-    def shape(self) -> Cell:
-        """Cells along x, y, z."""
-        nx, ny, nz = self.free.shape
-        return nx, ny, nz
+    def padded(self) -> Cell:
+        """Cells of ``storage`` along x, y, z."""
+        nx, ny, nz = self.shape
+        return nx + 2 * PAD, ny + 2 * PAD, nz + 2 * PAD
+
+    @property
+    def strides(self) -> Cell:
+        """How far apart in ``bits`` neighbours along x, y, z are, in cells."""
+        _, sy, sz = self.padded
+        return sy * sz, sz, 1
+
+    @cached_property
+    def storage(self) -> NDArray[np.uint8]:
+        """The world within blocked borders of PAD cells, ``padded`` uint8, read-only; unpacked when first asked for."""
+        storage = np.unpackbits(self.bits, count=math.prod(self.padded), bitorder="little").reshape(
+            self.padded
+        )
+        storage.setflags(write=False)
+        return storage
+
+    @property
+    def free(self) -> NDArray[np.uint8]:
+        """(nx, ny, nz) uint8, 1 = free; a view into ``storage``."""
+        return self.storage[PAD:-PAD, PAD:-PAD, PAD:-PAD]
 
     @cached_property
     def free_count(self) -> int:
         """Number of free cells."""
-        return int(np.count_nonzero(self.free))
+        return int(np.bitwise_count(self.bits).sum())
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return math.prod(self.shape)
+
+    def is_free(self, cell: Sequence[int]) -> bool:
+        """Whether one cell, given by indices within ``shape``, is free."""
+        place = sum((i + PAD) * stride for i, stride in zip(cell, self.strides, strict=True))
+        return bool(self.bits[place >> 3] >> (place & 7) & 1)
 
     @cached_property
     def clearance(self) -> NDArray[np.float32]:
@@ -82,18 +113,16 @@ class GridWorld:
         Raises:
             MapError: if the world has over ``MOST_CLEARED`` cells: the exact transform takes some 30 bytes a cell.
         """
-        if self.free.size > MOST_CLEARED:
+        if self.size > MOST_CLEARED:
             raise MapError(
-                f"a world of {self.free.size:,} cells is too large for the distance to its obstacles, which rules with "
+                f"a world of {self.size:,} cells is too large for the distance to its obstacles, which rules with "
                 f"z3 > 0 need (zhang_apf): at most {MOST_CLEARED:,} cells; crop it, coarsen it, or set z3 = 0"
             )
         from scipy.ndimage import distance_transform_edt
 
-        clearance = np.zeros(self.storage.shape, dtype=np.float32)
+        clearance = np.zeros(self.padded, dtype=np.float32)
         inside = clearance[PAD:-PAD, PAD:-PAD, PAD:-PAD]
-        inside[:] = (
-            np.inf if self.free_count == self.free.size else distance_transform_edt(self.free, self.cell)
-        )
+        inside[:] = np.inf if self.free_count == self.size else distance_transform_edt(self.free, self.cell)
         clearance.setflags(write=False)
         return clearance
 
@@ -165,11 +194,7 @@ class Scenario:
 
     @cached_property
     def mean_move(self) -> float:
-        """Mean length of all moves between free cells of the world that cross no obstacle, in world units.
-
-        Raises:
-            ScenarioError: if the world has none.
-        """
+        """Mean length of all moves between free cells of the world, in world units; 0 where there is none."""
         from antgym.maps.moves import mean_length
 
         return mean_length(self)
@@ -213,7 +238,7 @@ def _whole_cell(cell: Sequence[int], label: str) -> tuple[int, ...]:
 def _require_free(world: GridWorld, cell: tuple[int, ...], label: str) -> None:
     if len(cell) != 3 or not all(0 <= i < n for i, n in zip(cell, world.shape, strict=False)):
         raise ScenarioError(f"{label} {cell} lies outside the world of {world.shape} cells (indices from 0)")
-    if not world.free[cell]:
+    if not world.is_free(cell):
         open_cells = np.argwhere(world.free)
         if not len(open_cells):
             raise ScenarioError(f"{label} {cell} is blocked, and so is every cell of the world")
@@ -233,6 +258,22 @@ def _require_reach(start: Cell, goal: Cell) -> None:
             f"goal {goal} is out of reach of start {start}: {xg - xs} layers allow "
             f"{REACH * (xg - xs)} cells along y and z"
         )
+
+
+def _packed(free: NDArray[np.generic]) -> NDArray[np.uint8]:
+    """Return the bits of (nx, ny, nz) cells within blocked borders, eight planes at a time: they end on a byte."""
+    nx, ny, nz = (n + 2 * PAD for n in free.shape)
+    planes, parts = np.zeros((8, ny, nz), dtype=np.uint8), []
+    for first in range(0, nx, 8):
+        planes[:] = 0
+        low, high = max(first - PAD, 0), min(first - PAD + 8, nx - 2 * PAD)
+        if low < high:
+            at = low + PAD - first
+            planes[at : at + high - low, PAD:-PAD, PAD:-PAD] = free[low:high]
+        parts.append(np.packbits(planes[: nx - first].reshape(-1), bitorder="little"))
+    bits = np.concatenate(parts)
+    bits.setflags(write=False)
+    return bits
 
 
 def _is_binary(free: NDArray[np.generic]) -> bool:

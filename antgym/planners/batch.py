@@ -66,7 +66,7 @@ class Batch:
     lengths: NDArray[np.float64]
     made: NDArray[np.int64]
     paths: list[NDArray[np.int64]]
-    """Cells of the best path of each run as indices into ``ground.free``, the goal excluded; empty where none is."""
+    """Cells of the best path of each run as numbers of bits of the ground, the goal excluded; empty where none is."""
 
     @classmethod
     def of(
@@ -182,11 +182,12 @@ def _keys(seeds: ArrayLike, count: int) -> NDArray[np.uint64]:
 def _pack(scenarios: list[Scenario], rules: list[Rules], runs: Any) -> Ground:
     """Lay worlds one behind the other, each once, and write where each begins; a single one is used where it lies."""
     worlds = [scenario.world for scenario in scenarios]
-    free, runs["origin"] = _laid_out(worlds, [True] * len(worlds), lambda world: world.storage, np.uint8)
+    bits, bytes_before = _laid_out(worlds, [True] * len(worlds), lambda world: world.bits, np.uint8)
     wary = [rule.z3 > 0 for rule in rules]
     clearance, places = _laid_out(worlds, wary, lambda world: world.clearance, np.float32)
+    runs["origin"] = 8 * bytes_before
     runs["clear_shift"] = places - runs["origin"]
-    return Ground(free, clearance)
+    return Ground(bits, clearance)
 
 
 def _laid_out(
@@ -222,21 +223,22 @@ def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]
         *("cells", "table", "slots", "crossed"),
     )
     shapes = {motion: move_table(motion).required.shape[:2] for motion in motions}
-    places = [(*_places(s), s.world.free.size, motions.index(s.motion), *shapes[s.motion]) for s in scenarios]
+    places = [(*_places(s), s.world.size, motions.index(s.motion), *shapes[s.motion]) for s in scenarios]
     for name, column in zip(names, np.array(places, dtype=np.int64).reshape(-1, len(names)).T, strict=True):
         runs[name] = column
     cells = np.array([s.world.cell for s in scenarios]).reshape(-1, 3)
     for name, column in zip(("cell_x", "cell_y", "cell_z"), cells.T, strict=True):
         runs[name] = column
+    runs["width"] = -(-runs["slots"] // layout.LANES) * layout.LANES
     runs["reach"] = REACH
     runs["layered"] = [s.motion.layered for s in scenarios]
     runs["either"] = [s.motion.corners == "one" for s in scenarios]
 
 
 def _places(scenario: Scenario) -> tuple[int, ...]:
-    _, sy, sz = scenario.world.storage.shape
+    stride_x, stride_y, _ = scenario.world.strides
     ends = (index + PAD for cell in (scenario.start, scenario.goal) for index in cell)
-    return sy * sz, sz, *ends, scenario.layers if scenario.motion.layered else 0
+    return stride_x, stride_y, *ends, scenario.layers if scenario.motion.layered else 0
 
 
 def _write_rules(runs: Any, scenarios: list[Scenario], rules: list[Rules]) -> None:
@@ -273,4 +275,4 @@ def write_parameters(runs: Any, values: NDArray[np.float64], rules: list[Rules])
 
 def cells_of(scenario: Scenario, indices: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the (n, 3) cells behind indices into the flat storage of a scenario's world."""
-    return np.stack(np.unravel_index(indices, scenario.world.storage.shape), axis=1) - PAD
+    return np.stack(np.unravel_index(indices, scenario.world.padded), axis=1) - PAD

@@ -21,7 +21,8 @@ from antgym.kernels.layout import (
 )
 from antgym.kernels.nodes import rehash
 
-_FIRST_ROWS, _FIRST_DEPTH = 2048, 64
+_FIRST_ROWS, _RESERVED_ROWS = 2048, 1 << 18
+_FIRST_DEPTH = 64
 MOST_ROWS = 1 << 26  # an edge is row · 32 + slot in an int32
 
 
@@ -48,8 +49,8 @@ def new_buffers(runs: Any) -> Buffers:
         level=np.zeros(WIDTH, np.float32),
         length=np.ones(WIDTH),
     )
-    ants, edges, depth, words = _sizes(runs)
-    return Buffers(moves, _new_nodes(_FIRST_ROWS, words), _new_trail(ants, edges, depth))
+    rows, words, *sizes = _sizes(runs)
+    return Buffers(moves, _new_nodes(rows, words), _new_trail(*sizes))
 
 
 def grown(buffers: Buffers) -> Buffers:
@@ -92,29 +93,35 @@ class Workspace(threading.local):
         if old is None:
             self.buffers = new_buffers(runs)
             return self.buffers
-        ants, edges, depth, words = (
-            max(have, need) for have, need in zip(_capacities(old), _sizes(runs), strict=True)
-        )
-        if (ants, edges, depth, words) != _capacities(
-            old
-        ):  # both empty: what the old trail says is forgotten
-            nodes, trail = _new_nodes(len(old.nodes.cell), words), _new_trail(ants, edges, depth)
-            self.buffers = old._replace(nodes=nodes, trail=trail)
+        sizes = tuple(max(have, need) for have, need in zip(_capacities(old), _sizes(runs), strict=True))
+        if sizes != _capacities(old):  # both are empty: what the old trail says is forgotten
+            self.buffers = old._replace(nodes=_new_nodes(*sizes[:2]), trail=_new_trail(*sizes[2:]))
         assert self.buffers is not None
         return self.buffers
 
 
-def _sizes(runs: Any) -> tuple[int, int, int, int]:
-    """Return how many ants, edges, moves of a path and words of tabu bits the runs begin with."""
-    depths = np.where(runs["roams"], _FIRST_DEPTH, runs["layers"])
-    words = -(-np.where(runs["roams"], runs["ants"], 1) // 64)
-    ants = runs["ants"]
-    return int(ants.max()), int((ants * depths).max()), int(depths.max()), int(words.max())
+def _sizes(runs: Any) -> tuple[int, ...]:
+    """Return the rows, words of tabu bits, ants, edges and moves of a path that buffers for the runs begin with.
+
+    Rows are reserved for all nodes that a run can visit, within reason: memory that is not touched is not taken, and
+    one large piece saves copies and lies in large pages.
+    """
+    ants, layers = runs["ants"], np.where(runs["roams"], _FIRST_DEPTH, runs["layers"])
+    most = np.minimum(runs["cells"], 1 + ants * layers * runs["iterations"]).max()
+    words = -(-np.where(runs["roams"], ants, 1) // 64)
+    sizes = (
+        np.clip(most, _FIRST_ROWS, _RESERVED_ROWS),
+        words.max(),
+        ants.max(),
+        (ants * layers).max(),
+        layers.max(),
+    )
+    return tuple(int(size) for size in sizes)
 
 
-def _capacities(buffers: Buffers) -> tuple[int, int, int, int]:
-    trail = buffers.trail
-    return len(trail.row), len(trail.edge), len(trail.best_edge), buffers.nodes.seen.shape[1]
+def _capacities(buffers: Buffers) -> tuple[int, ...]:
+    nodes, trail = buffers.nodes, buffers.trail
+    return len(nodes.cell), nodes.seen.shape[1], len(trail.row), len(trail.edge), len(trail.best_edge)
 
 
 def _new_nodes(rows: int, words: int) -> Nodes:

@@ -1,7 +1,7 @@
 """The benchmark: every code gives figures, the plain port is the pinned one, and ours is well ahead of it.
 
-The gate of the issue is a ratio of 15 on a quiet machine (18 to 20 measured); the slow test asks for 5 from a single
-turn, as the machines that run it are shared and noisy.
+The gate is a ratio of 15 to the pinned plain port in the same run (20 to 24 measured): turns alternate, so a noisy
+machine slows both.
 """
 
 import importlib.util
@@ -37,7 +37,9 @@ def figures(tmp_path_factory):
 
 
 def test_every_code_gives_finite_positive_figures_or_a_reason(figures):
-    assert {row["code"] for row in figures["rows"]} == {code.name for code in rivals.CODES}
+    mountains = {code.name for code in rivals.CODES if code.takes(bench.TINY)}
+    assert {row["code"] for row in figures["rows"]} == mountains
+    assert len(mountains) == len(rivals.CODES) - 1  # python-motion-planning plans planes alone
     for row in figures["rows"]:
         if row["skipped"] is None:
             values = [row[name] for name in ("ns_per_move", "ratio", "plans_per_second", "peak_mb")]
@@ -48,8 +50,8 @@ def test_every_code_gives_finite_positive_figures_or_a_reason(figures):
 
 def test_an_absent_peer_is_skipped_with_its_cure(figures):
     skipped = {row["code"]: row["skipped"] for row in figures["rows"] if row["skipped"]}
-    absent = {name for name, module in PEERS.items() if importlib.util.find_spec(module) is None}
-    assert set(skipped) == absent
+    absent = importlib.util.find_spec("aco_routing") is None
+    assert set(skipped) == ({"aco-routing 1.2.1"} if absent else set())
     assert all("antgym[bench]" in reason for reason in skipped.values())
 
 
@@ -64,8 +66,29 @@ def test_the_plain_port_is_the_pinned_one(figures):
 
 @pytest.mark.slow
 def test_our_planner_is_well_ahead_of_the_plain_port():
-    rows = speed.measure(bench.find_workloads((speed.GATE,))[0], repeats=1, memory=False)
-    assert next(row["ratio"] for row in rows if row["code"] == "plain numba port") >= 5
+    rows = speed.measure(bench.find_workloads((speed.GATE,))[0], repeats=7, memory=False)
+    assert next(row["ratio"] for row in rows if row["code"] == "plain numba port") >= 15
+
+
+@pytest.mark.slow
+def test_a_vast_world_costs_what_ants_visit_of_it():
+    figures = growth.vast(bench.WORKLOADS[0], repeats=5)
+    assert figures["ratio_revisit"] <= 2
+    assert figures["added_mb"] <= 350
+
+
+def test_the_plane_is_walked_and_solved_by_its_own_codes():
+    rows = speed.measure(bench.find_workloads(("plane-50x100",))[0], repeats=1, memory=False)
+    names = {row["code"] for row in rows}
+    assert names == {"antgym", "exact: ours", "python-motion-planning 1.1.1"}
+    assert next(row["ns_per_move"] for row in rows if row["code"] == "antgym") > 0
+
+
+def test_a_vast_scenario_is_one_at_any_size():
+    small = bench.vast_scenario(24, boxes=3)
+    assert small.world.shape == (24, 24, 24)
+    assert small.world.size - small.world.free_count > 0
+    assert small.optimum >= small.straight_line
 
 
 def test_codes_walk_about_as_many_moves_as_ours():
@@ -100,7 +123,7 @@ def test_cost_growth_is_a_table_and_a_picture():
     rows = growth.growth(bench.TINY, repeats=1)
     assert [row["axis"] for row in rows] == list(growth.AXES)
     assert all(row["ratio"][0] == 1.0 and min(row["ns_per_move"]) > 0 for row in rows)
-    assert growth.to_table(rows, bench.TINY).row_count == len(growth.AXES)
+    assert growth.to_table(rows, bench.TINY).row_count == 2 * len(growth.AXES)
     pytest.importorskip("matplotlib")
     assert growth.figure(rows).startswith(b"\x89PNG")
 
@@ -136,7 +159,9 @@ def test_turns_alternate_and_each_has_its_own_seed():
 
 def test_every_workload_is_solved():
     for workload in bench.WORKLOADS:
-        found = plan(workload.scenario(), bench.PARAMETERS, rules=workload.rules, ants=5, iterations=5)
+        found = plan(
+            workload.scenario(), bench.PARAMETERS, rules=workload.rules, ants=workload.ants, iterations=5
+        )
         assert found.solved
 
 
