@@ -5,7 +5,13 @@ import pytest
 import scipy.stats
 
 from antgym.errors import AntgymError
-from experiments.statistics import cluster_interval, interquartile_mean, paired_difference
+from experiments.statistics import (
+    cluster_interval,
+    interquartile_mean,
+    mean_band,
+    paired_difference,
+    wilson_interval,
+)
 
 
 def slow_interval(values, reps, seed, level=0.95):
@@ -120,3 +126,22 @@ def test_unusable_settings_are_named():
         paired_difference(np.ones((3, 1)), np.ones((2, 1)))
     with pytest.raises(AntgymError, match="nan"):
         interquartile_mean([np.nan])
+
+
+@pytest.mark.parametrize(("hits", "count"), [(0, 1), (1, 1), (0, 100), (79, 100), (100, 100)])
+def test_a_share_has_the_interval_that_scipy_gives_it(hits, count):
+    theirs = scipy.stats.binomtest(hits, count).proportion_ci(0.95, method="wilson")
+    assert wilson_interval(hits, count) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
+
+
+@pytest.mark.parametrize(("hits", "count"), [(0, 0), (2, 1), (-1, 5)])
+def test_a_share_of_nothing_is_refused(hits, count):
+    with pytest.raises(AntgymError, match=f"got {hits} of {count}"):
+        wilson_interval(hits, count)
+
+
+def test_a_band_is_the_interval_of_every_point():
+    curves = np.random.default_rng(0).random((12, 3))
+    low, high = mean_band(curves)
+    for i in range(3):
+        assert (low[i], high[i]) == pytest.approx(cluster_interval(curves[:, i : i + 1]))

@@ -1,35 +1,27 @@
-"""The papers' tables, our figures beside theirs.
+"""Tables 1-3 of liu2020 and its convergence figure, on six maps of ours.
 
-    python -m experiments.tables liu2020 --out out/tables
-
-Tables 1-3 of liu2020 and its convergence figure on six maps of ours: the paper's maps are not published, so
-lengths compare within a column, never across. Times are wall seconds.
+The paper's maps are not published, so lengths compare within a column, never across. Times are wall seconds.
 """
 
-import json
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import tyro
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.markdown import Markdown
 
 import agents
 from agents.graph import TransferGraph, trials_needed
 from agents.laplacian import transfers
-from antgym.console import main, progress
-from antgym.errors import MissingExtraError
-from antgym.maps.generators import FAMILIES
+from antgym.console import progress
 from antgym.maps.world import Scenario
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.problem import COST_CAP, TuningProblem
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed
+from experiments.tables.draws import draw
+from experiments.tables.sheet import new_figure, publish, table
 
 MAPS, SIDE = 6, 21
 DETOUR = 1.3  # of the optimum over the straight line; the paper's 148.66 mm over nine layers is 1.10
@@ -58,10 +50,8 @@ class Method(NamedTuple):
 
 @dataclass(frozen=True)
 class Arguments:
-    """Replay a paper's experiments."""
+    """Replay liu2020: five source maps, a transfer graph, and ten methods that tune a sixth map."""
 
-    paper: Annotated[Literal["liu2020"], tyro.conf.Positional]
-    """Which paper."""
     out: Path = Path("out/tables")
     """Folder of liu2020.md, liu2020.json and liu2020.png."""
     rules: Literal["liu2020", "liu2020-paper"] = "liu2020"
@@ -74,14 +64,7 @@ class Arguments:
 
 def six_maps() -> list[Scenario]:
     """Return map1 to map6, from hashed seeds: the first of each whose detour is like the paper's."""
-    return [_map(np.random.default_rng(derived_seed("liu2020", "map", i))) for i in range(1, MAPS + 1)]
-
-
-def _map(rng: np.random.Generator) -> Scenario:
-    while True:
-        scenario = FAMILIES["mountains"](rng, SIDE)
-        if scenario.optimum <= DETOUR * scenario.straight_line:
-            return scenario
+    return draw("liu2020", MAPS, "mountains", SIDE, lambda s: s.optimum <= DETOUR * s.straight_line)
 
 
 def methods(graph: TransferGraph, share: float) -> list[Method]:
@@ -137,8 +120,9 @@ def solve(method: Method, problem: TuningProblem, seed: int) -> Answer:
     )
 
 
-def liu2020(arguments: Arguments) -> Path:
+def replay(arguments: Arguments) -> Path:
     """Fit the graph on maps 1-5, tune map 6 by every method, write tables and figure; return the Markdown file."""
+    new_figure(1, 1)  # a missing library is told before the work, not after it
     maps = six_maps()
     problems = [
         TuningProblem(
@@ -159,20 +143,13 @@ def liu2020(arguments: Arguments) -> Path:
         for method in methods(graph, arguments.share):
             answers.append(solve(method, target, arguments.seed))
             advance(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    text = _report(graph, fitting, answers, target, arguments)
-    path = arguments.out / "liu2020.md"
-    path.write_text(text, encoding="utf-8")
-    (arguments.out / "liu2020.json").write_text(json.dumps(_numbers(graph, answers, target), indent=1) + "\n")
-    _figure(answers, target, arguments.out / "liu2020.png")
-    Console(width=max(180, Console().width)).print(Markdown(text))
-    return path
+    text, numbers = _report(graph, fitting, answers, target, arguments), _numbers(graph, answers, target)
+    return publish(arguments.out, "liu2020", text, numbers, _figure(answers, target))
 
 
 def _report(
     graph: TransferGraph, fitting: float, answers: list[Answer], target: TuningProblem, arguments: Arguments
 ) -> str:
-    table = transfers(graph.table)
     parts = [
         f"# liu2020: six maps of {SIDE} x {SIDE} x {SIDE} cells, rules `{arguments.rules}`",
         f"{ANTS} ants x {ITERATIONS} iterations (not in the paper), means over {RUNS} runs, seed {arguments.seed}; our "
@@ -181,7 +158,7 @@ def _report(
         f"{COST_CAP:g} straight lines in Tables 1 and 2: the paper has no word for it; the same random set is "
         "the reference of (11), of Table 2, and method 1.",
         "## Table 1: transfer from the row's set to the column's map (paper's value in brackets)",
-        _table_1(table),
+        _table_1(transfers(graph.table)),
         "## Table 2: transfer of each source to map6, against one random set",
         _table_2(answers, graph, target),
         "## Table 3: what each method finds for map6",
@@ -193,15 +170,14 @@ def _report(
     return "\n\n".join(parts) + "\n"
 
 
-def _table_1(table: NDArray[np.float64]) -> str:
-    n = len(table)
-    lines = ["| | " + " | ".join(f"map{j + 1}" for j in range(n)) + " |", "|---" * (n + 1) + "|"]
-    for i, row in enumerate(table):
-        cells = [
-            "–" if i == j else f"{value:+.4f} ({PAPER_TABLE_1[i][j]:+.4f})" for j, value in enumerate(row)
-        ]
-        lines.append(f"| map{i + 1} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+def _table_1(gains: NDArray[np.float64]) -> str:
+    names = [f"map{i + 1}" for i in range(len(gains))]
+    rows = [
+        [names[i]]
+        + ["–" if i == j else f"{value:+.4f} ({PAPER_TABLE_1[i][j]:+.4f})" for j, value in enumerate(row)]
+        for i, row in enumerate(gains)
+    ]
+    return table(["", *names], rows)
 
 
 def _table_2(answers: list[Answer], graph: TransferGraph, target: TuningProblem) -> str:
@@ -210,10 +186,10 @@ def _table_2(answers: list[Answer], graph: TransferGraph, target: TuningProblem)
     settings = graph.settings
     lengths = [target.fresh(unit, RUNS).lengths for unit in settings]
     ours = [1 - float(target.cost(each).mean()) / base for each in lengths]
-    lines = ["| | " + " | ".join(graph.names) + " |", "|---" * (len(ours) + 1) + "|"]
-    lines.append("| ours | " + " | ".join(f"{value:+.4f}" for value in ours) + " |")
-    lines.append("| paper | " + " | ".join(f"{value:+.4f}" for value in PAPER_TABLE_2) + " |")
-    return "\n".join(lines)
+    rows = [
+        [who, *(f"{value:+.4f}" for value in row)] for who, row in (("ours", ours), ("paper", PAPER_TABLE_2))
+    ]
+    return table(["", *graph.names], rows)
 
 
 HEADINGS = (
@@ -223,7 +199,7 @@ HEADINGS = (
 
 
 def _table_3(answers: list[Answer], target: TuningProblem) -> str:
-    lines = [_line(HEADINGS), "|---" * len(HEADINGS) + "|"]
+    rows: list[tuple[str, ...]] = []
     for a in answers:
         theirs, length = a.method.paper_seconds, a.method.paper_length
         ratio = f"{theirs / max(a.seconds, 1e-3):,.0f}x" if theirs else "–"
@@ -240,7 +216,7 @@ def _table_3(answers: list[Answer], target: TuningProblem) -> str:
             f"{100 * float(target.gap(a.lengths).mean()):.2f}",
             f"{length:.2f}" if length else "–",
         )
-        lines.append(_line(cells))
+        rows.append(cells)
     exact = (
         "exact planner",
         *"––––",
@@ -251,11 +227,7 @@ def _table_3(answers: list[Answer], target: TuningProblem) -> str:
         "0.00",
         "–",
     )
-    return "\n".join([*lines, _line(exact)])
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    return table(HEADINGS, [*rows, exact])
 
 
 def _verdict(answers: list[Answer], target: TuningProblem) -> str:
@@ -288,15 +260,9 @@ def _numbers(graph: TransferGraph, answers: list[Answer], target: TuningProblem)
     return {"transfers": transfers(graph.table).tolist(), "optimum": target.scenario.optimum, "methods": rows}
 
 
-def _figure(answers: list[Answer], target: TuningProblem, path: Path) -> None:
-    try:
-        import matplotlib as mpl
-    except ImportError:
-        raise MissingExtraError("matplotlib", "viz") from None
-    mpl.use("agg")
-    from matplotlib import pyplot
-
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4), layout="constrained")
+def _figure(answers: list[Answer], target: TuningProblem) -> Any:
+    figure = new_figure(11, 4)
+    left, right = figure.subplots(1, 2)
     for a in answers:
         if a.method.paper_seconds or a.method.agent == "uniform_random":
             left.plot(np.arange(1, ITERATIONS + 1), a.curve, label=a.method.label)
@@ -310,9 +276,4 @@ def _figure(answers: list[Answer], target: TuningProblem, path: Path) -> None:
         axes.legend(fontsize=8)
     left.set(xlabel="iteration of the colony", title=f"the settings found, mean of {RUNS} fresh runs")
     right.set(xlabel="evaluation", xscale="log", title="the searches: luckiest run so far")
-    figure.savefig(path, dpi=120)
-    pyplot.close(figure)
-
-
-if __name__ == "__main__":
-    main(lambda: print(f"\nwritten: {liu2020(tyro.cli(Arguments))}"))
+    return figure

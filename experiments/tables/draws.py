@@ -1,0 +1,26 @@
+"""Draws: maps in place of those that a paper does not publish, from hashed seeds."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from antgym.maps.generators import FAMILIES
+from antgym.maps.world import Scenario
+from experiments.artefacts import derived_seed
+
+
+def draw(
+    paper: str, count: int, family: str, size: int, wanted: Callable[[Scenario], bool]
+) -> list[Scenario]:
+    """Return maps 1 to ``count`` of a paper, each the first of its own seed that is wanted."""
+    return [
+        _first(np.random.default_rng(derived_seed(paper, "map", i)), family, size, wanted)
+        for i in range(1, count + 1)
+    ]
+
+
+def _first(rng: np.random.Generator, family: str, size: int, wanted: Callable[[Scenario], bool]) -> Scenario:
+    while True:
+        scenario = FAMILIES[family](rng, size)
+        if wanted(scenario):
+            return scenario
