@@ -10,13 +10,13 @@ import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antgym.envs.manual import ranges_table, worlds_table
 from antgym.errors import ParameterError, is_count, nearest
 from antgym.maps.features import feature_table
 from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, load_suite
 from antgym.planners.colony import Plans
 from antgym.planners.parameters import ColonyParameters
-from antgym.planners.rules import PAPERS
 from antgym.planners.space import named_values
 from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.observation import bounds, observe, observe_with_map
@@ -33,9 +33,12 @@ _Regime = TypeVar("_Regime", bound="type[TuningEnv]")
 def documented(regime: _Regime) -> _Regime:
     """Fill the tables of a regime's docstring in from what the environment itself reads."""
     if regime.__doc__:  # python -OO strips it
-        actions = PAPERS["liu2020"].ranges.space(straight_line=1.0).to_markdown()
-        text = cleandoc(regime.__doc__)
-        regime.__doc__ = text.format(actions=actions, observations=feature_table(TASK_FEATURES))
+        tables = {
+            "actions": ranges_table(),
+            "observations": feature_table(TASK_FEATURES),
+            "worlds": worlds_table(),
+        }
+        regime.__doc__ = cleandoc(regime.__doc__).format(**tables)
     return regime
 
 
@@ -48,7 +51,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         effort: (ants, iterations) for every scenario instead of each scenario's own.
         reward: ``"gap"``, ``"length"`` or ``"improvement"``.
         observation: ``"features"``, the vector alone, or with a map beside it: ``"map2d"``, ``"map3d"``, or ``"map"``
-            for that of the two which fits the first training scenario of the suite.
+            for that of the two which fits the suite: flat where all its worlds are.
         render_mode: ``"ansi"``, ``"rgb_array"`` or None.
         unknown: raises ParameterError naming the nearest valid argument.
     """
@@ -87,7 +90,9 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         dimension = len(ColonyParameters._fields)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (dimension,), np.float32)
         features = gymnasium.spaces.Box(*bounds(dimension, window=self._window), dtype=np.float32)
-        self._flat_map = _map_is_flat(observation, suite)
+        self._flat_map = {"features": None, "map": self._suite.flat, "map2d": True, "map3d": False}[
+            observation
+        ]
         self.observation_space = _with_map(features, self._flat_map)
         self._root: int | None = None
         self._episode = 0
@@ -181,6 +186,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             "seed": problem.seed,
             "ants": problem.ants,
             "iterations": problem.iterations,
+            "rules": problem.rules,
         }
 
     def _judged(self, unit: tuple[float, ...], length: float) -> dict[str, Any]:
@@ -201,13 +207,6 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return -float(min(length, COST_CAP * problem.scenario.straight_line))
         gap = float(problem.gap(np.array([length]))[0])
         return -gap if default is None else float(problem.gap(default.lengths)[0]) - gap
-
-
-def _map_is_flat(observation: str, suite: str) -> bool | None:
-    """Return whether the map shown is flat, None where none is; the same for every split of a suite."""
-    if observation == "map":
-        return bool(load_suite(suite, "train")[0].scenario.world.shape[2] == 1)
-    return {"features": None, "map2d": True, "map3d": False}[observation]
 
 
 def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:

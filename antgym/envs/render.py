@@ -41,7 +41,10 @@ def ansi(session: Session) -> str:
 
 
 def rgb_array(session: Session) -> NDArray[np.uint8]:
-    """Return two panels, (h, w, 3) uint8: from above (x, y) and from the side (x, z), both with x to the right."""
+    """Return two panels, (h, w, 3) uint8: from above (x, y) and from the side (x, z), both with x to the right.
+
+    A flat world is shown from above alone.
+    """
     scenario = session.problem.scenario
     plan, cells, amounts = (
         _replay(session) if session.trials else (None, np.empty((0, 3), np.int64), np.empty(0))
@@ -50,7 +53,7 @@ def rgb_array(session: Session) -> NDArray[np.uint8]:
     skyline = scenario.world.free.min(axis=1)  # a cell of the side view is open where it is free for every y
     side = np.where(skyline, 0.05, 0.2 + 0.6 * (1 - scenario.world.free.mean(axis=1)))
     panels = []
-    for shade, axis in ((height, 1), (side, 2)):
+    for shade, axis in ((height, 1), (side, 2))[: 1 if scenario.world.shape[2] == 1 else 2]:
         image = _LOW + shade[..., None] * (_HIGH - _LOW)
         glow = np.zeros(shade.shape)
         np.maximum.at(glow, (cells[:, 0], cells[:, axis]), amounts)
@@ -63,7 +66,8 @@ def rgb_array(session: Session) -> NDArray[np.uint8]:
             _draw_dot(pixels, np.array([end[0], end[axis]]), scale, 0.45, colour)
         panels.append(pixels.transpose(1, 0, 2)[::-1])
     gap = np.ones((4, panels[0].shape[1], 3))
-    return np.round(255 * np.clip(np.vstack([panels[0], gap, panels[1]]), 0, 1)).astype(np.uint8)
+    stacked = np.vstack([panels[0], *(part for panel in panels[1:] for part in (gap, panel))])
+    return np.round(255 * np.clip(stacked, 0, 1)).astype(np.uint8)
 
 
 def _relative_height(free: NDArray[np.uint8]) -> NDArray[np.float64]:

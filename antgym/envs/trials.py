@@ -22,11 +22,12 @@ class TrialsEnv(TuningEnv):
     good the incumbent is, not how lucky a trial was.
 
     ## Action Space
-    `Box(-1, 1, (4,), float32)`: α, β, ρ, Q as in OneShot.
+    `Box(-1, 1, (4,), float32)`: α, β, ρ, Q as in OneShot; 0 is the published default of the scenario's rules. The
+    rules of the scenario say which row counts: low < default < high.
 
     {actions}
 
-    Q's range is κ = Q / straight line from start to goal, shown for a straight line of 1.
+    κ = Q / (straight line from start to goal · initial pheromone).
 
     ## Observation Space
     `Box(float32)`: the features of the task, then the share of the budget left, the incumbent's setting and mean
@@ -68,7 +69,7 @@ class TrialsEnv(TuningEnv):
     * v0: first release (not frozen yet)
 
     ## References
-    liu2020, as in OneShot.
+    As in OneShot.
     """
 
     arguments = (*TuningEnv.arguments, "budget", "window")

@@ -33,7 +33,7 @@ class Task:
 
     Attributes:
         space: the parameters to choose.
-        features: (len(FEATURES) + 2,) float32, the scenario's descriptors and the two of the effort, bounded.
+        features: (len(TASK_FEATURES),) float32, the scenario's descriptors, the effort and the rules, bounded.
         ants: ants per iteration.
         iterations: iterations per planner run.
         budget: trials the agent may pay for; 0 for a zero-shot recommendation.
@@ -71,8 +71,8 @@ class TuningProblem:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        motion = self.scenario.motion
-        if motion.layered and motion.check_segments and not find_rules(self.rules).check_segments:
+        motion, rules = self.scenario.motion, find_rules(self.rules)
+        if motion.layered and motion.check_segments and not rules.check_segments:
             loose = self.scenario.with_motion(replace(motion, check_segments=False))
             object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
         if not isinstance(self.seed, int) or self.seed < 0:
@@ -96,7 +96,7 @@ class TuningProblem:
             raise BudgetError(
                 f"budget = {budget!r}: must be 0 (zero-shot) or the number of trials to pay for"
             )
-        features = task_features(self.scenario, self.ants, self.iterations)
+        features = task_features(self.scenario, self.ants, self.iterations, self.rules)
         return Task(self.space, features, self.ants, self.iterations, budget, self.scenario.chart)
 
     def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
