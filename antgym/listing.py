@@ -7,12 +7,10 @@ from gymnasium.envs.registration import load_env_creator
 from rich.markdown import Markdown
 from rich.table import Table
 
-from antgym.envs.cards import load_card
+from antgym.envs.cards import load_card, summary
 from antgym.envs.catalogue import CATALOGUE
 from antgym.envs.manual import arguments, ranges_table, section, world_facts
 from antgym.errors import ParameterError, nearest
-
-NO_CARD = "no card yet"
 
 
 def table() -> Table:
@@ -23,8 +21,7 @@ def table() -> Table:
     for entry in CATALOGUE:
         env = gymnasium.make(entry.id)
         sizes = (str(space.shape) for space in (env.action_space, env.observation_space))
-        card = load_card(entry.world)
-        listed.add_row(entry.id, *sizes, NO_CARD if card is None else str(card["summary"]))
+        listed.add_row(entry.id, *sizes, summary(load_card(entry.world)))
         env.close()
     return listed
 
@@ -42,18 +39,19 @@ def page(env_id: str) -> Markdown:
     parts = [
         f"# {entry.id}",
         section(regime, "Description").partition("\n\n")[0],
-        "## World",
-        *(f"- {name}: {value}" for name, value in facts.items()),
+        f"## World: {entry.world}",
+        *(f"- {name}: {value}" for name, value in facts.items() if name != "world"),
         "## Arguments and defaults",
         *(f"- `{name}`: `{default!r}`" for name, default in defaults.items()),
         "## Ranges: low < published default (action 0) < high",
         ranges_table(facts["rules"].split(", ")),
         "κ = Q / (straight line from start to goal · initial pheromone)",
         "## Card",
-        NO_CARD if card is None else f"```json\n{json.dumps(card, indent=2, ensure_ascii=False)}\n```",
+        summary(card),
+        f"```json\n{json.dumps(card, indent=2, ensure_ascii=False)}\n```" if card else "",
         f"Entry points: `{entry.entry_point}`, vector `{entry.vector_entry_point}`.",
     ]
-    return Markdown("\n".join(_spaced(parts)))
+    return Markdown("\n".join(_spaced([part for part in parts if part])))
 
 
 def _spaced(parts: list[str]) -> list[str]:
