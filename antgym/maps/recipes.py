@@ -16,9 +16,9 @@ LAYERED = ("mountains", "ridges", "forest", "boxes", "caves", "pockets")
 FLAT = ("rooms", "mazes", "clutter", "warehouse")
 TEXTBOOK = ("ant_system", "elitist", "rank_based", "max_min", "ant_colony_system")
 LONGEST = 5.0  # straight lines: twice as long is what a session shows at most, and no gap above 1 counts
-# Ants without the goal in their heuristic visit up to half of a floor's cells on their way, at 0.1 to 0.4 µs each; a
-# step along the potential field costs up to 0.8 µs in a large world. These keep a plan below 0.25 s.
-WANDERING, LOOSE, FIELD = 1e6, 5e6, 2e7
+# What keeps a plan below 0.25 s. Ants without the goal in their heuristic walk half of a floor's cells on their way, at
+# up to 0.2 µs each; a step along the potential field takes up to 0.5 µs in a large world. No other rule needs a bound.
+WANDERING, FIELD = 2e6, 2.5e7
 
 
 class Strand(NamedTuple):
@@ -111,13 +111,13 @@ def _odd(low: int, high: int) -> tuple[int, ...]:
 
 
 _LADDER = (11, 13, 15, 17, 19, 23, 27, 31, 37, 43, 51, 61)  # each about a sixth more than the one before
-_LARGER = (71, 83)
+_LARGER = (67, 75)  # beyond, hardly a draw is worthwhile, and hardly an ant of the textbook's arrives
 _SOLIDS = ("ridges", "forest", "boxes", "caves", "pockets")
 _COUNTS = {"train": 200, "validation": 50, "test": 100}
 
-_FIELD = Strand(_SOLIDS, ("zhang_apf",), _odd(15, 27), (5, 40), (5, 200))
-_ROOM = Strand(("rooms",), ("zhang2011",), _odd(15, 31), (5, 40), (5, 100), most=WANDERING)
-_PALLET = Strand(("clutter",), ("wei2018",), (20,), (5, 40), (5, 100), most=WANDERING)
+_FIELD = Strand(_SOLIDS, ("zhang_apf",), _odd(15, 27), (5, 40), (10, 200))
+_ROOM = Strand(("rooms",), ("zhang2011",), _odd(15, 31), (5, 40), (10, 150), most=WANDERING)
+_PALLET = Strand(("clutter",), ("wei2018",), (20,), (5, 40), (10, 150), most=WANDERING)
 _ANY = Strand(LAYERED, TEXTBOOK, _LADDER, (5, 50), (3, 200))
 # Weights add up to two for every rule, to nine for layered worlds and to nine for flat ones.
 _OPEN = (
@@ -125,7 +125,7 @@ _OPEN = (
     _ANY._replace(weight=2, rules=("zhang_apf",), most=FIELD),
     _ANY._replace(weight=4, families=FLAT, rules=("zhang2011", "wei2018"), most=WANDERING),
     _ANY._replace(weight=5),
-    _ANY._replace(weight=5, families=FLAT, most=LOOSE),
+    _ANY._replace(weight=5, families=FLAT),
 )
 
 SUITES: dict[str, Recipe] = {

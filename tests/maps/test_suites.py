@@ -16,10 +16,10 @@ needs_matplotlib = pytest.mark.skipif(
 )
 DIGESTS = {
     "mountain-v0": ("8d65ff2bce1256a4", "b2fffbedcc5e4123", "535c7146fef40893", "e7be8c3868023b22"),
-    "potential-field-v0": ("", "", "", ""),
-    "room-v0": ("", "", "", ""),
-    "pallet-v0": ("", "", "", ""),
-    "open-v0": ("", "", "", ""),
+    "potential-field-v0": ("a1d8918db1e3dae8", "b7e7a182abc23a99", "31d1023a482decf1", "c5ee561c33862c8c"),
+    "room-v0": ("1b4be16eb54b0654", "fb7b6baa4ffff767", "a06b691a744881dc", "ad6dbb48a748a4c8"),
+    "pallet-v0": ("ccef443a4d25029c", "8fabfb96a6088e52", "341c4c95502a8c56", "c8c856972f7e21d9"),
+    "open-v0": ("d24ef892699f64e5", "6b245e08dce1951d", "c13f841fe1bf78d4", "44477eb312da7ec5"),
 }
 COUNTS = {
     "mountain-v0": (200, 50, 100, 64),
