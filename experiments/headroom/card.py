@@ -50,7 +50,7 @@ PRESETS = {
         scored=32,
         race=(Stage(0, 1), Stage(24, 1, 8, 0.08), Stage(12, 3), Stage(8, 2, 6, 0.04), Stage(4, 8)),
         oracle=(Stage(0, 2), Stage(24, 4, 16, 0.08), Stage(12, 8), Stage(8, 8, 8, 0.04), Stage(6, 24)),
-        design=(64, 3),
+        design=(128, 2),
         schedule_maps=60,
     ),
 }
