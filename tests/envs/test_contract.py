@@ -206,6 +206,17 @@ def test_info_tells_what_was_run(entry):
     assert info["gap"] == pytest.approx(min(info["length"] / info["optimum"] - 1, 1))
 
 
+@pytest.mark.parametrize(
+    ("reward", "low", "high"), [("gap", -1, 0), ("improvement", -1, 1), ("length", -1e5, 0)]
+)
+def test_the_return_lies_in_its_documented_range(entry, reward, low, high):
+    env = make(entry, reward=reward)
+    for seed in range(4):
+        rewards = [step[1] for step in rollout(env, episodes=1, seed=seed, actions=seed)[1:]]
+        assert all(type(value) is float for value in rewards)
+        assert low <= sum(rewards) <= high
+
+
 def test_an_episode_ends_by_termination_alone(entry):
     ends = [step[2:4] for step in rollout(make(entry), episodes=1, seed=0)[1:]]
     assert ends == [(False, False)] * (len(ends) - 1) + [(True, False)]
