@@ -28,11 +28,11 @@ def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDA
     d = len(task.space)
     history = np.zeros((window, d + 2))
     for row, trial in zip(history, reversed(trials[-window:]), strict=False):
-        row[:] = (*trial.unit, _shown(trial.cost), 1.0)
+        row[:] = (*trial.unit, shown_cost(trial.cost), 1.0)
     best = np.zeros(d + 1)
     if trials:
         unit, cost = incumbent(trials)
-        best[:] = (*unit, _shown(cost))
+        best[:] = (*unit, shown_cost(cost))
     left = (task.budget - len(trials)) / task.budget
     return np.concatenate([task.features, [left], best, history.ravel()]).astype(np.float32)
 
@@ -53,5 +53,6 @@ def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDA
     return np.array(low, dtype=np.float32), np.array(high, dtype=np.float32)
 
 
-def _shown(cost: float) -> float:
-    return float(np.clip(np.log(cost) / np.log(COST_CAP), 0.0, 1.0))
+def shown_cost(cost: float) -> float:
+    """Return log(cost) / log(COST_CAP) within [0, 1], as costs are shown."""
+    return float(min(max(np.log(cost) / np.log(COST_CAP), 0.0), 1.0))

@@ -12,7 +12,7 @@ from antgym.maps.world import Scenario
 from antgym.planners.batch import MOST_EFFORT
 from antgym.planners.colony import Plans, plan_many
 from antgym.planners.rules import find_rules
-from antgym.planners.space import ParameterSpace
+from antgym.planners.space import ParameterSpace, decode_together
 from antgym.tuning.features import task_features
 
 COST_CAP = 10.0
@@ -145,7 +145,7 @@ def run_together(requests: list[Request]) -> list[Plans]:
         return []
     plans = plan_many(
         [p.scenario for p in problems],
-        np.concatenate([p.space.decode(units) for p, units, _, _ in requests]),
+        decode_together([p.space for p in problems], np.concatenate([units for _, units, _, _ in requests])),
         rules=[p.rules for p in problems],
         ants=[p.ants for p in problems],
         iterations=[p.iterations for p in problems],

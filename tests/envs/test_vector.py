@@ -15,14 +15,15 @@ from antgym.errors import ParameterError
 from antgym.tuning import problem as problems
 
 IDS = [entry.id for entry in CATALOGUE]
-ONE_SHOT, TRIALS = IDS
+ONE_SHOT, TRIALS, CONTROL = (f"antgym/Mountain{regime}-v0" for regime in ("OneShot", "Trials", "Control"))
 MODES = list(AutoresetMode)
 with_and_without_map = pytest.mark.parametrize("observation", ["features", "map"])
 N, ROOT = 3, 5
 
 
 def settings(env_id):
-    return {"effort": [3, 5], **({"budget": 3, "window": 2} if env_id == TRIALS else {})}
+    few = {"budget": 3, "window": 2} if "Trials" in env_id else {}
+    return {"effort": [3, 40 if "Control" in env_id else 5], **few}
 
 
 def native(env_id, count=N, **kwargs):
@@ -53,7 +54,7 @@ def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode, observ
     alone = singles(env_id, mode, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng = np.random.default_rng(0)
-    for _ in range(9):
+    for _ in range(12):
         actions = rng.uniform(-1, 1, (N, 4)).astype(np.float32)
         assert_same(batch.step(actions), alone.step(actions))
     assert_same(batch.reset(), alone.reset())
@@ -66,7 +67,7 @@ def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id, obser
     alone = singles(env_id, AutoresetMode.DISABLED, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng, over = np.random.default_rng(0), np.zeros(N, bool)
-    for _ in range(9):
+    for _ in range(12):
         if over.any():
             options = {"reset_mask": over}
             assert_same(batch.reset(options=options), alone.reset(options=options))
