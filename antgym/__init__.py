@@ -9,12 +9,14 @@ from antgym.envs.catalogue import register_all
 from antgym.errors import AntgymError
 
 if TYPE_CHECKING:
+    from antgym.maps.motion import Motion
     from antgym.maps.readers import jacksboro, read_heights
     from antgym.maps.shaping import fill_missing, voxelise
     from antgym.maps.suites import load_suite
     from antgym.maps.world import GridWorld, Scenario
     from antgym.planners.colony import Colony, plan, plan_many
     from antgym.planners.parameters import ColonyParameters
+    from antgym.planners.rules import Rules
     from antgym.tuning.agent import tune
     from antgym.tuning.problem import TuningProblem
     from antgym.tuning.session import Session
@@ -25,6 +27,8 @@ _HOMES = {
     "Colony": "antgym.planners.colony",
     "ColonyParameters": "antgym.planners.parameters",
     "GridWorld": "antgym.maps.world",
+    "Motion": "antgym.maps.motion",
+    "Rules": "antgym.planners.rules",
     "Scenario": "antgym.maps.world",
     "Session": "antgym.tuning.session",
     "TuningProblem": "antgym.tuning.problem",
@@ -43,6 +47,8 @@ __all__ = [
     "Colony",
     "ColonyParameters",
     "GridWorld",
+    "Motion",
+    "Rules",
     "Scenario",
     "Session",
     "TuningProblem",

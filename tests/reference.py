@@ -6,6 +6,7 @@ other, driven by the same ``Rules``; it shares only the random numbers and the f
 distribution. ``shortest`` enumerates.
 """
 
+from functools import lru_cache
 from itertools import pairwise, product
 from types import SimpleNamespace
 
@@ -88,6 +89,7 @@ def legal(scenario, cell, step):
     return all(free(scenario, c) for c in cells)
 
 
+@lru_cache(maxsize=1 << 16)
 def clearance(scenario, cell):
     """Distance to the nearest blocked cell, by looking at all of them."""
     blocked, distance = np.argwhere(scenario.world.free == 0), np.float64(np.inf)
@@ -114,6 +116,7 @@ def allowed(scenario, rules, cell, step):
     return any(possible(end, following) for following in LAYERED)
 
 
+@lru_cache(maxsize=1 << 16)
 def degree(scenario, rules, cell):
     """How many moves lead on from a cell, and the length of the shortest."""
     blind = rules._replace(trap="die")

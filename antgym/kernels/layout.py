@@ -46,6 +46,7 @@ RUN = np.dtype(
         ("reach", np.int64),  # cells that y and z may change per layer
         ("table", np.int64),  # which of the move tables
         ("slots", np.int64),  # moves in it
+        ("width", np.int64),  # the same, rounded up to whole LANES
         ("crossed", np.int64),  # cells that each of its moves needs free
         ("ants", np.int64),
         ("iterations", np.int64),

@@ -46,7 +46,7 @@ def node(ground, run, moves, nodes, trail, cell):
     nodes.state[row] = DEAD_END
     if sense(ground, run, moves, nodes.eta, row, cell):
         nodes.scratch[0] = log2_wide(within(trail.levels, unvisited) if run.limits else unvisited)
-        weigh(run, nodes, row)
+        weigh(run, nodes, row, WIDTH)
         nodes.state[row] = SUMS_STALE
     if run.linked or run.censused:
         _introduce(ground, run, moves, nodes, trail, row)
@@ -110,27 +110,31 @@ def _row_of(nodes, cell):
 
 
 @inlined
-def weigh(run, nodes, row):
-    """Compute all weights of a row from log2 pheromone in ``scratch[0]``; its largest exponent becomes its peak."""
+def weigh(run, nodes, row, width):
+    """Compute the weights of a row's first slots from log2 pheromone in ``scratch[0]``; the rest of them stay.
+
+    The largest exponent becomes the row's peak. ``width`` is a multiple of LANES; slots behind it are no moves.
+    """
     eta, weight, tau, alpha, beta = nodes.eta, nodes.weight, nodes.scratch, run.alpha, run.beta
-    for k in range(WIDTH):
+    for k in range(width):
         exponent = alpha * tau[0, k] + beta * eta[row, k]
         weight[row, k] = exponent if eta[row, k] > BLOCKED else BLOCKED
     for lane in range(LANES):
-        tau[1, lane] = max(weight[row, lane], weight[row, lane + LANES])
-    for lane in range(LANES):
-        tau[1, lane] = max(tau[1, lane], weight[row, lane + 2 * LANES], weight[row, lane + 3 * LANES])
+        tau[1, lane] = weight[row, lane]
+    for first in range(LANES, width, LANES):
+        for lane in range(LANES):
+            tau[1, lane] = max(tau[1, lane], weight[row, first + lane])
     peak = tau[1, 0]
     for lane in range(1, LANES):
         peak = max(peak, tau[1, lane])
     greedy, top = 0, BLOCKED
     if run.q0 > _ZERO:
-        for k in range(WIDTH):
+        for k in range(width):
             score = tau[0, k] + eta[row, k] if run.plain else weight[row, k] - peak
             if eta[row, k] > BLOCKED and score > top:
                 greedy, top = k, score
     nodes.peak[row], nodes.greedy[row], nodes.top[row] = peak, greedy, top
-    for k in range(WIDTH):
+    for k in range(width):
         weight[row, k] = exp2(weight[row, k] - peak) if eta[row, k] > BLOCKED else _ZERO
 
 
@@ -145,7 +149,7 @@ def refresh(run, nodes, trail, row):
     """Make a row's weights and sums current."""
     if nodes.state[row] == ROW_STALE:
         read_pheromone(run, nodes, trail, row)
-        weigh(run, nodes, row)
+        weigh(run, nodes, row, run.width)
     add_up(nodes.weight, nodes.sums, row)
     # pheromone on nodes changes behind a row's back: it is never current for long
     nodes.state[row] = ROW_STALE if run.on_nodes else CLEAN
@@ -155,14 +159,14 @@ def refresh(run, nodes, trail, row):
 def read_pheromone(run, nodes, trail, row):
     """Write log2 of the pheromone of every move of a row into ``scratch[0]``."""
     if run.on_nodes:
-        for k in range(WIDTH):
+        for k in range(run.width):
             child = nodes.child[row, k]
             nodes.tau[row, k] = nodes.point[child] if child >= 0 else trail.levels[UNVISITED]
     if run.limits:
-        for k in range(WIDTH):
+        for k in range(run.width):
             nodes.scratch[0, k] = log2_wide(within(trail.levels, nodes.tau[row, k]))
     else:
-        for k in range(WIDTH):
+        for k in range(run.width):
             nodes.scratch[0, k] = log2_wide(nodes.tau[row, k])
 
 

@@ -147,7 +147,7 @@ def _among_open(ground, run, moves, nodes, trail, goal, row, a, is_greedy, unifo
         weight[0, k] = _ZERO if there else BLOCKED
     read_pheromone(run, nodes, trail, row)
     best, top, peak = TRAPPED, BLOCKED, BLOCKED
-    for k in range(WIDTH):
+    for k in range(run.width):
         if weight[0, k] > BLOCKED:
             weight[0, k] = run.alpha * tau[0, k] + run.beta * eta[row, k]
             score = tau[0, k] + eta[row, k] if run.plain else weight[0, k]

@@ -232,6 +232,7 @@ def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]
     cells = np.array([s.world.cell for s in scenarios]).reshape(-1, 3)
     for name, column in zip(("cell_x", "cell_y", "cell_z"), cells.T, strict=True):
         runs[name] = column
+    runs["width"] = -(-runs["slots"] // layout.LANES) * layout.LANES
     runs["reach"] = REACH
     runs["layered"] = [s.motion.layered for s in scenarios]
     runs["either"] = [s.motion.corners == "one" for s in scenarios]

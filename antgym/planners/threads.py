@@ -1,5 +1,6 @@
 """The thread pool of the planner: plain threads over kernels that hold no lock, so no OpenMP and no fork trap."""
 
+import multiprocessing
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -11,8 +12,10 @@ os.register_at_fork(after_in_child=_POOLS.clear)  # a forked child has no thread
 
 
 def thread_count() -> int:
-    """Return ANTGYM_THREADS, by default every core this process may use."""
+    """Return ANTGYM_THREADS, by default every core this process may use, and 1 in a worker of multiprocessing."""
     text = os.environ.get("ANTGYM_THREADS", "")
+    if not text and multiprocessing.parent_process() is not None:
+        return 1  # its siblings have the other cores
     if not text:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if not text.isdigit() or int(text) < 1:

@@ -14,6 +14,7 @@ from antgym.planners.colony import Plans, plan_many
 from antgym.planners.rules import find_rules
 from antgym.planners.space import ParameterSpace, decode_together
 from antgym.tuning.features import task_features
+from antgym.tuning.seeding import SEED_LIMIT, child_states
 
 COST_CAP = 10.0
 """Cost of a run that found no path; also the cap of every other cost."""
@@ -75,8 +76,8 @@ class TuningProblem:
         if motion.layered and motion.check_segments and not find_rules(self.rules).check_segments:
             loose = self.scenario.with_motion(replace(motion, check_segments=False))
             object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
-        if not isinstance(self.seed, int) or self.seed < 0:
-            raise ParameterError(f"seed = {self.seed!r}: a whole number of at least 0 is needed")
+        if not isinstance(self.seed, int) or not 0 <= self.seed < SEED_LIMIT:
+            raise ParameterError(f"seed = {self.seed!r}: a whole number from 0 to 2^128 - 1 is needed")
         for name in ("ants", "iterations"):
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= MOST_EFFORT:
@@ -101,11 +102,8 @@ class TuningProblem:
 
     def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
         """Return planner seeds, a pure function of (seed, domain, index), by SeedSequence children."""
-        keys = ((domain, index) for index in range(first, first + count))
-        states = [
-            np.random.SeedSequence(self.seed, spawn_key=key).generate_state(1, np.uint64)[0] for key in keys
-        ]
-        return np.array(states, dtype=np.uint64)
+        keys = np.stack([np.full(count, domain), np.arange(first, first + count)], axis=1)
+        return child_states([self.seed] * count, keys)[:, 0]
 
     def run(self, units: NDArray[np.float64], domain: int, first: int) -> Plans:
         """Run settings on the seeds ``first`` onwards of a domain; the harness's way, charged to nobody."""

@@ -1,0 +1,71 @@
+"""Children of many seeds at once, to the bit those of ``numpy.random.SeedSequence``.
+
+A batch of environments needs a few words of a few hundred seed sequences per step; one object each takes longer than a
+short planner run. The mixing (O'Neill 2015, as NumPy has it) multiplies by constants that do not depend on the seed,
+so it runs over arrays.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_POOL = 4  # words of 32 bits
+SEED_LIMIT = 1 << 32 * _POOL
+_INIT_A, _MULT_A, _INIT_B, _MULT_B = 0x43B0D7E5, 0x931E8875, 0x8B51F9DD, 0x58F38DED
+_MIX_LEFT, _MIX_RIGHT = np.uint32(0xCA01F9DD), np.uint32(0x4973F715)
+_SHIFT, _MASK = np.uint32(16), 0xFFFFFFFF
+Words = NDArray[np.uint32]
+
+
+class _Hash:
+    """A stream of constants, and the hash that each use of it advances."""
+
+    def __init__(self, first: int, factor: int) -> None:
+        self._constant, self._factor = first, factor
+
+    def __call__(self, words: Words) -> Words:
+        before = np.uint32(self._constant)
+        self._constant = self._constant * self._factor & _MASK
+        mixed = (words ^ before) * np.uint32(self._constant)
+        return mixed ^ (mixed >> _SHIFT)
+
+
+def child_states(seeds: Sequence[int], keys: ArrayLike, count: int = 1) -> NDArray[np.uint64]:
+    """Return (B, count) uint64: row i is ``SeedSequence(seeds[i], spawn_key=keys[i]).generate_state(count, uint64)``.
+
+    Args:
+        seeds: B whole numbers in [0, 2^128).
+        keys: (B, m) whole numbers in [0, 2^32), m ≥ 1.
+        count: words of 64 bits.
+    """
+    pool = _pool(_entropy(seeds, np.atleast_2d(np.asarray(keys, dtype=np.uint32))))
+    stream = _Hash(_INIT_B, _MULT_B)
+    words = [stream(pool[i % _POOL]).astype(np.uint64) for i in range(2 * count)]
+    return np.stack(
+        [low | high << np.uint64(32) for low, high in zip(words[::2], words[1::2], strict=True)], axis=1
+    )
+
+
+def _entropy(seeds: Sequence[int], keys: Words) -> list[Words]:
+    """Return the words that are mixed in: four of the seed, then the key's."""
+    parts = np.array([[seed >> 32 * i & _MASK for i in range(_POOL)] for seed in seeds], dtype=np.uint32)
+    return [*parts.reshape(-1, _POOL).T, *keys.T]
+
+
+def _pool(entropy: list[Words]) -> list[Words]:
+    stream = _Hash(_INIT_A, _MULT_A)
+    pool = [stream(words) for words in entropy[:_POOL]]
+    for source in range(_POOL):
+        for target in range(_POOL):
+            if source != target:
+                pool[target] = _mix(pool[target], stream(pool[source]))
+    for words in entropy[_POOL:]:
+        for target in range(_POOL):
+            pool[target] = _mix(pool[target], stream(words))
+    return pool
+
+
+def _mix(left: Words, right: Words) -> Words:
+    mixed = _MIX_LEFT * left - _MIX_RIGHT * right
+    return mixed ^ (mixed >> _SHIFT)

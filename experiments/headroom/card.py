@@ -1,0 +1,220 @@
+"""The card of one world: the searches run, their winners scored, everything put into one JSON object."""
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from antgym.maps.suites import Suite, load_suite
+from antgym.planners.parameters import ColonyParameters
+from antgym.planners.rules import find_rules
+from antgym.tuning.problem import GAP_CAP, TuningProblem
+from experiments.headroom import measures
+from experiments.headroom.measures import Floats
+from experiments.headroom.pool import DESIGN, SCORE, Advance, Pool, Stage, cost, design, run_gaps, search
+from experiments.headroom.schedules import dynamic
+
+FORMAT = "antgym card 1"
+NAMES = ColonyParameters._fields
+INSIDE, EDGE = (
+    0.1,
+    0.02,
+)  # of the unit interval: where an optimum at a bound is moved to, and what counts as at it
+_ROWS = ("uniform random", "published default", "SBS", "SBS by rule", "VBS")
+_PROBES = 10
+
+
+class Preset(NamedTuple):
+    """How much of everything one card takes."""
+
+    train: int  # maps that SBS is raced on
+    test: int  # maps that everything is scored on
+    settings: int  # that a search begins with
+    scored: int  # fresh runs of every row and map
+    race: tuple[Stage, ...]
+    oracle: tuple[Stage, ...]
+    design: tuple[int, int]  # settings and repeats of the analysis of variance
+    schedule_maps: int
+
+
+PRESETS = {
+    "smoke": Preset(
+        6, 4, 8, 4, (Stage(0, 1), Stage(3, 1, 2, 0.1)), (Stage(0, 1), Stage(3, 1, 2, 0.1)), (16, 2), 2
+    ),
+    "full": Preset(
+        train=200,
+        test=100,
+        settings=128,
+        scored=32,
+        race=(Stage(0, 1), Stage(24, 1, 8, 0.08), Stage(12, 3), Stage(8, 2, 6, 0.04), Stage(4, 8)),
+        oracle=(Stage(0, 2), Stage(24, 4, 16, 0.08), Stage(12, 8), Stage(8, 8, 8, 0.04), Stage(6, 24)),
+        design=(128, 2),
+        schedule_maps=60,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One world under one preset: its problems, and the settings that the searches found."""
+
+    train: list[TuningProblem]
+    test: list[TuningProblem]
+    static: Floats  # (4,)
+    by_rule: Mapping[str, Floats]
+    oracle: Floats  # (maps, 4)
+
+
+def problems(suite: Suite, count: int) -> list[TuningProblem]:
+    """Return the first problems of a split, each with a root seed of its own."""
+    items = [suite[i] for i in range(min(count, len(suite)))]
+    seeds = np.random.SeedSequence(int(hashlib.sha256(f"card {suite!r}".encode()).hexdigest(), 16))
+    roots = seeds.generate_state(len(items), np.uint64).tolist()
+    return [
+        TuningProblem(item.scenario, item.rules, item.ants, item.iterations, root)
+        for item, root in zip(items, roots, strict=True)
+    ]
+
+
+def runs_needed(suite: str, preset: Preset) -> int:
+    """Return about how many planner runs a card takes."""
+    train, test = (load_suite(suite, split) for split in ("train", "test"))
+    sources, maps = min(preset.train, len(train)), min(preset.test, len(test))
+    rules = {test[i].rules for i in range(maps)}
+    races = sources * cost(preset.settings, preset.race) * (2 if len(rules) > 1 else 1)
+    settings, repeats = preset.design
+    each = (
+        cost(preset.settings + len(rules) + 1, preset.oracle)
+        + len(_ROWS) * preset.scored
+        + settings * repeats
+    )
+    return races + maps * each
+
+
+def find_settings(suite: str, preset: Preset, advance: Advance) -> Measured:
+    """Search the best static setting, the best per rule, and the best per test scenario."""
+    train = problems(load_suite(suite, "train"), preset.train)
+    test = problems(load_suite(suite, "test"), preset.test)
+    rules = sorted({p.rules for p in test})
+    groups = [[p for p in train if p.rules == rule] for rule in rules]
+    raced = [train, *groups] if len(rules) > 1 else [train]
+    units = design(preset.settings)
+    winners = search([Pool(group, units, seed=i) for i, group in enumerate(raced)], preset.race, advance)
+    by_rule = dict(zip(rules, winners[1:] if len(rules) > 1 else winners, strict=True))
+    candidates = np.vstack([units, winners])
+    oracle = search([Pool([p], candidates, seed=i) for i, p in enumerate(test)], preset.oracle, advance)
+    return Measured(train, test, winners[0], by_rule, oracle)
+
+
+def score(found: Measured, preset: Preset, advance: Advance) -> dict[str, Floats]:
+    """Return (maps, runs) gaps of every row on seeds that no search saw."""
+    rng = np.random.default_rng(1)
+    count = len(found.test)
+    settings: dict[str, Callable[[int], Floats]] = {
+        "uniform random": lambda _: rng.random((preset.scored, len(NAMES))),
+        "published default": lambda _: np.full((preset.scored, len(NAMES)), 0.5),
+        "SBS": lambda _: np.tile(found.static, (preset.scored, 1)),
+        "SBS by rule": lambda i: np.tile(found.by_rule[found.test[i].rules], (preset.scored, 1)),
+        "VBS": lambda i: np.tile(found.oracle[i], (preset.scored, 1)),
+    }
+    gaps = {}
+    for row, (name, units) in enumerate(settings.items()):
+        requests = [(found.test[i], units(i), SCORE, row * preset.scored) for i in range(count)]
+        gaps[name] = np.array(run_gaps(requests, advance))
+    return gaps
+
+
+def variance(found: Measured, preset: Preset, advance: Advance) -> tuple[Floats, Floats]:
+    """Return (settings, 4) units and (maps, settings, repeats) gaps of a design over the test maps."""
+    settings, repeats = preset.design
+    units = design(settings, seed=2)
+    requests = [(p, np.repeat(units, repeats, axis=0), DESIGN, 0) for p in found.test]
+    gaps = np.array(run_gaps(requests, advance)).reshape(len(found.test), settings, repeats)
+    return units, gaps
+
+
+def at_bounds(
+    found: Measured, scored: Floats, preset: Preset, advance: Advance
+) -> dict[str, dict[str, float]]:
+    """Return per parameter the share of oracles at its low and high end for which moving inside costs two errors."""
+    shares: dict[str, dict[str, float]] = {}
+    for j, name in enumerate(NAMES):
+        shares[name] = {}
+        for end, inside in (("low", INSIDE), ("high", 1 - INSIDE)):
+            column = found.oracle[:, j]
+            there = np.flatnonzero(column <= EDGE if end == "low" else column >= 1 - EDGE)
+            moved = found.oracle[there].copy()
+            moved[:, j] = inside
+            first = (len(_ROWS) + 2 * j + (end == "high")) * preset.scored
+            requests = [
+                (found.test[i], np.tile(unit, (preset.scored, 1)), SCORE, first)
+                for i, unit in zip(there, moved, strict=True)
+            ]
+            gaps = np.array(run_gaps(requests, advance)).reshape(len(there), preset.scored)
+            costly = measures.better_by_two_errors(scored[there], gaps) if len(there) else np.zeros(0, bool)
+            shares[name][end] = float(costly.sum() / len(found.test))
+    return shares
+
+
+def fingerprint(suite: str) -> dict[str, str]:
+    """Return what a card depends on: hashes of the suite, of its rules, and of plans on it."""
+    train, test = (load_suite(suite, split) for split in ("train", "test"))
+    rules = sorted({item.rules for split in (train, test) for item in split})
+    named = repr([(rule, find_rules(rule)) for rule in rules])
+    probes = problems(test, _PROBES)
+    lengths = np.concatenate([p.run(design(3), DESIGN, 0).lengths for p in probes])
+    return {
+        "suite": _hash((train.digest + test.digest).encode()),
+        "rules": _hash(named.encode()),
+        "plans": _hash(lengths.tobytes()),
+    }
+
+
+def measure(world: str, suite: str, preset_name: str, advance: Advance) -> dict[str, Any]:
+    """Return the card of a world."""
+    preset = PRESETS[preset_name]
+    found = find_settings(suite, preset, advance)
+    gaps = score(found, preset, advance)
+    means = {name: values.mean(axis=1) for name, values in gaps.items()}
+    units, designed = variance(found, preset, advance)
+    arrives = means["SBS"] < GAP_CAP / 2
+    flat = ~measures.better_by_two_errors(gaps["VBS"], gaps["SBS"])
+    effects = measures.sensitivity(units, designed.mean(axis=2))
+    return {
+        "format": FORMAT,
+        "world": world,
+        "suite": suite,
+        "preset": preset_name,
+        "fingerprint": fingerprint(suite),
+        "maps": {"train": len(found.train), "test": len(found.test)},
+        "gap": {name: _rounded(measures.mean_interval(mean)) for name, mean in means.items()},
+        "solved": {name: _digits(float((values < GAP_CAP).mean())) for name, values in gaps.items()},
+        "headroom": {
+            "over SBS": _rounded(measures.headroom(means["SBS"], means["VBS"])),
+            "over SBS by rule": _rounded(measures.headroom(means["SBS by rule"], means["VBS"])),
+            "where SBS arrives": _rounded(measures.headroom(means["SBS"][arrives], means["VBS"][arrives]))
+            if arrives.any()
+            else None,
+        },
+        "variance": {k: _digits(v) for k, v in measures.variance_shares(designed).items()},
+        "sensitivity": {name: _digits(float(e)) for name, e in zip(NAMES, effects, strict=True)},
+        "flat": _digits(float(flat.mean())),
+        "bounds": at_bounds(found, gaps["VBS"], preset, advance),
+        "SBS": [_digits(float(u)) for u in found.static],
+        "SBS by rule": {rule: [_digits(float(u)) for u in unit] for rule, unit in found.by_rule.items()},
+        "dynamic": dynamic(found.train, found.test, found.static, preset.schedule_maps, advance),
+    }
+
+
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+def _digits(value: float) -> float:
+    return round(value, 4)
+
+
+def _rounded(interval: Sequence[float]) -> list[float]:
+    return [_digits(value) for value in interval]

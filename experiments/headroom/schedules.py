@@ -1,0 +1,95 @@
+"""Dynamic headroom: what changing the parameters within a run could add to the best static setting."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antgym.planners.colony import Colony
+from antgym.planners.threads import run_ranges
+from antgym.tuning.problem import TuningProblem
+from experiments.headroom.measures import headroom
+from experiments.headroom.pool import SCORE, Advance
+
+Floats = NDArray[np.float64]
+LEAST, BLOCKS = 40, 10  # iterations and blocks of the control regime
+FACTORS = (0.25, 0.5, 2.0, 4.0)
+SWITCHES = (2, 5, 8)  # blocks before the change
+RUNS = 8
+
+
+class Schedule(NamedTuple):
+    """Two settings, one before and one after some blocks: α and β of the static one times a factor each."""
+
+    alpha: tuple[float, float]
+    beta: tuple[float, float]
+    switch: int
+
+    @property
+    def label(self) -> str:
+        """How the card names it."""
+        return f"alpha x {self.alpha}, beta x {self.beta}, change after block {self.switch}"
+
+
+def family() -> list[Schedule]:
+    """Return the static setting and all schedules that change α or β once, up or down."""
+    static = Schedule((1.0, 1.0), (1.0, 1.0), BLOCKS)
+    ramps = [(1.0, factor) for factor in FACTORS] + [(factor, 1.0) for factor in FACTORS]
+    changes = [((1.0, 1.0), ramp) for ramp in ramps] + [(ramp, (1.0, 1.0)) for ramp in ramps]
+    return [static, *(Schedule(a, b, switch) for a, b in changes for switch in SWITCHES)]
+
+
+def dynamic(
+    train: list[TuningProblem], test: list[TuningProblem], static: Floats, maps: int, advance: Advance
+) -> dict[str, Any] | None:
+    """Return what the best schedule of the family, chosen on train, saves on test over the static setting.
+
+    Only problems with at least LEAST iterations count, as in the control regime; None where there are too few.
+    """
+    chosen = [[p for p in split if p.iterations >= LEAST][:maps] for split in (train, test)]
+    if min(map(len, chosen)) < 2:
+        return None
+    schedules = family()
+    learned = _gaps(chosen[0], schedules, static, advance).mean(axis=(0, 2))
+    best = schedules[int(learned.argmin())]
+    scored = _gaps(chosen[1], [schedules[0], best], static, advance).mean(axis=2)
+    value, low, high = headroom(scored[:, 0], scored[:, 1])
+    return {
+        "schedule": best.label,
+        "headroom": [round(v, 4) for v in (value, low, high)],
+        "static gap": round(float(scored[:, 0].mean()), 4),
+        "maps": len(chosen[1]),
+    }
+
+
+def _gaps(
+    problems: list[TuningProblem], schedules: list[Schedule], static: Floats, advance: Advance
+) -> Floats:
+    """Return (maps, schedules, RUNS) gaps."""
+    lengths = np.empty((len(problems), len(schedules), RUNS))
+    jobs = list(np.ndindex(len(problems), len(schedules)))
+
+    def work(first: int, last: int) -> None:
+        for i, j in jobs[first:last]:
+            seeds = problems[i].seeds(SCORE, 10_000 + j * RUNS, RUNS)
+            lengths[i, j] = [_run(problems[i], schedules[j], static, int(seed)) for seed in seeds]
+            advance(RUNS)
+
+    run_ranges(work, len(jobs))
+    return np.array(
+        [p.gap(rows.ravel()).reshape(rows.shape) for p, rows in zip(problems, lengths, strict=True)]
+    )
+
+
+def _run(problem: TuningProblem, schedule: Schedule, static: Floats, seed: int) -> float:
+    colony = Colony(
+        problem.scenario, rules=problem.rules, ants=problem.ants, iterations=problem.iterations, seed=seed
+    )
+    values = problem.space.decode(static)[0]
+    low, high = problem.space.decode(np.zeros(4))[0], problem.space.decode(np.ones(4))[0]
+    switch = problem.iterations * schedule.switch // BLOCKS
+    for part, iterations in enumerate((switch, problem.iterations - switch)):
+        factors = np.array([schedule.alpha[part], schedule.beta[part], 1.0, 1.0])
+        if iterations:
+            colony.advance(np.clip(values * factors, low, high), iterations)
+    return colony.result().length
