@@ -238,11 +238,14 @@ def steer_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[OpenTr
         ParameterError: on a setting that cannot be used, a session without a trial under way, or one that appears
             twice (nothing is walked).
     """
-    sessions, units = zip(*requests, strict=True)
+    asked = list(requests)
+    sessions = [session for session, _ in asked]
     trials = [session._under_way() for session in sessions]
     _require_different(sessions)
+    if not asked:
+        return []
     spaces = [session.problem.space for session in sessions]
-    settings = np.concatenate([space.check(unit) for space, unit in zip(spaces, units, strict=True)])
+    settings = np.concatenate([session.problem.space.check(unit) for session, unit in asked])
     if len(settings) != len(trials):
         raise ParameterError(
             f"{len(settings)} settings for {len(trials)} trials; each takes one for its next block"

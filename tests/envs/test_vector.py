@@ -9,9 +9,11 @@ import pytest
 from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.vector import AutoresetMode
 
+import antgym
 from antgym.envs.catalogue import CATALOGUE
 from antgym.envs.vector import NativeVectorEnv, env_seeds
 from antgym.errors import ParameterError
+from antgym.planners import colony as colonies
 from antgym.tuning import problem as problems
 
 IDS = [entry.id for entry in CATALOGUE]
@@ -77,16 +79,17 @@ def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id, obser
         over = results[0][2]
 
 
+@pytest.mark.parametrize("env_id", [TRIALS, CONTROL])
 @pytest.mark.parametrize("mode", MODES)
 @with_and_without_map
-def test_slots_out_of_step_end_each_on_its_own(mode, observation):
-    batch = native(TRIALS, autoreset_mode=mode, observation=observation)
-    alone = singles(TRIALS, mode, observation=observation)
+def test_slots_out_of_step_end_each_on_its_own(env_id, mode, observation):
+    batch = native(env_id, autoreset_mode=mode, observation=observation)
+    alone = singles(env_id, mode, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     actions, over = np.zeros((N, 4), np.float32), np.array([False, True, False])
     assert_same(batch.step(actions), alone.step(actions))
     ends = []
-    for _ in range(8):
+    for _ in range(22 if env_id == CONTROL else 8):
         if over.any() and (mode is AutoresetMode.DISABLED or not ends):
             assert_same(batch.reset(options={"reset_mask": over}), alone.reset(options={"reset_mask": over}))
         results = batch.step(actions), alone.step(actions)
@@ -145,6 +148,17 @@ def test_a_batch_makes_one_planner_call_a_step(monkeypatch):
         assert batch.planner_runs == sum(expected)
 
 
+def test_a_batch_of_control_walks_all_blocks_of_a_step_in_one_call(monkeypatch):
+    calls, run_ranges = [], colonies.run_ranges
+    monkeypatch.setattr(colonies, "run_ranges", lambda *call: (calls.append(call[1]), run_ranges(*call)))
+    batch = native(CONTROL, 8)
+    batch.reset(seed=0)
+    for _ in range(3):
+        batch.step(np.zeros((8, 4), np.float32))
+    assert calls == [8] * 3
+    assert batch.planner_runs == 8
+
+
 @pytest.mark.parametrize("env_id", IDS)
 def test_threads_change_nothing(env_id, monkeypatch):
     seen = []
@@ -158,7 +172,12 @@ def test_threads_change_nothing(env_id, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("env_id", "mode"), [(ONE_SHOT, AutoresetMode.SAME_STEP), (TRIALS, AutoresetMode.NEXT_STEP)]
+    ("env_id", "mode"),
+    [
+        (ONE_SHOT, AutoresetMode.SAME_STEP),
+        (TRIALS, AutoresetMode.NEXT_STEP),
+        (CONTROL, AutoresetMode.NEXT_STEP),
+    ],
 )
 def test_make_vec_picks_the_native_batch_and_warns_of_nothing(env_id, mode):
     with warnings.catch_warnings():
@@ -233,6 +252,10 @@ def test_numpy_seeds_are_seeds():
     expected = batch.reset(seed=5)
     assert_same(batch.reset(seed=np.int64(5)), expected)
     assert_same(batch.reset(seed=np.array(env_seeds(5, N))), expected)
+
+
+def test_slot_seeds_are_known_by_the_packages_own_name():
+    assert antgym.env_seeds is env_seeds
 
 
 def test_slot_seeds_are_unrelated_and_do_not_depend_on_how_many_there_are():
