@@ -143,7 +143,7 @@ class Colony:
         self._kept: Buffers | None = (
             new_buffers(batch.runs) if buffers is None else fitted(buffers, batch.runs)
         )
-        self._report, self._first = np.zeros(layout.REPORT_SIZE), np.inf
+        self._report, self._first = np.full(layout.REPORT_SIZE, np.inf), np.inf
         begin(batch.runs[0], batch.tables, *self._buffers)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -161,6 +161,11 @@ class Colony:
         if not self._blocks:
             raise ParameterError("this colony has not walked yet; advance() it")
         return self._blocks[-1][0]
+
+    @property
+    def best(self) -> float:
+        """Length of the shortest path so far, inf before any."""
+        return float(self._report[layout.SHORTEST])
 
     @property
     def done(self) -> int:
@@ -238,7 +243,7 @@ class Colony:
         self._blocks.append((self._next, iterations))
         self._done = until
         if self._first == np.inf:
-            self._first = float(self._report[layout.SHORTEST])
+            self._first = self.best
 
 
 def advance_together(colonies: Sequence[Colony], parameters: ArrayLike, iterations: Sequence[int]) -> None:

@@ -9,6 +9,8 @@ from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.problem import COST_CAP, Task
 from antgym.tuning.session import Trial, incumbent
 
+_LOG_CAP = np.log(COST_CAP)
+
 
 def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDArray[np.float32]:
     """Return the observation of a task after some trials, float32.
@@ -55,4 +57,4 @@ def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDA
 
 def shown_cost(cost: float) -> float:
     """Return log(cost) / log(COST_CAP) within [0, 1], as costs are shown."""
-    return float(min(max(np.log(cost) / np.log(COST_CAP), 0.0), 1.0))
+    return float(min(max(np.log(cost) / _LOG_CAP, 0.0), 1.0))

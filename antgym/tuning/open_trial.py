@@ -62,7 +62,7 @@ class OpenTrial:
     @property
     def length(self) -> float:
         """Length of the shortest path so far, inf before any."""
-        return self.colony.diagnosis().best
+        return self.colony.best
 
     @property
     def parameters(self) -> ColonyParameters:

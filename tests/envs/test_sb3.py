@@ -106,7 +106,7 @@ def test_ppo_steers_runs():
     model = PPO("MlpPolicy", VecMonitor(envs), n_steps=20, batch_size=40, n_epochs=1, device="cpu", seed=0)
     model.learn(320)
     assert envs.native.planner_runs == 32  # ten steps each
-    assert [info["episode"]["l"] for info in model.ep_info_buffer] == [10] * 32
+    assert [info["l"] for info in model.ep_info_buffer] == [10] * 32
 
 
 @pytest.mark.slow
