@@ -168,6 +168,11 @@ class Colony:
         return float(self._report[layout.SHORTEST])
 
     @property
+    def moves(self) -> int:
+        """Moves that all ants have made so far."""
+        return int(self._buffers.trail.status[layout.MADE])
+
+    @property
     def done(self) -> int:
         """Iterations walked so far."""
         return self._done

@@ -155,10 +155,10 @@ class Session:
     def _close(self) -> None:
         """Enter the opened trial among those paid for."""
         assert self.opened is not None
-        trial, plan = self.opened, self.opened.colony.result()
+        trial, length = self.opened, self.opened.length
         unit = tuple(value for setting in trial.units for value in setting)
-        cost = float(self.problem.cost(np.array([plan.length]))[0])
-        record = Record(Trial(trial.index, unit, cost, plan.moves), plan.length, trial.seed)
+        cost = float(self.problem.cost(np.array([length]))[0])
+        record = Record(Trial(trial.index, unit, cost, trial.colony.moves), length, trial.seed)
         if self._journal is not None:
             kept = self._journal.replay(trial.index, unit, trial.seed)
             if kept is None:

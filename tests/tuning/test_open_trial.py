@@ -4,8 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
+from conftest import random_grid, random_scenario
 
 from antgym.errors import BudgetError, LedgerError, ParameterError
+from antgym.maps.motion import Motion
 from antgym.tuning.ledger import Ledger
 from antgym.tuning.problem import TRIAL, TuningProblem
 from antgym.tuning.run_features import CONTROL_FEATURES, observe_run
@@ -51,6 +53,18 @@ def test_steered_by_one_setting_it_is_the_trial_of_that_setting(problem):
         steered(other, [unit] * 4)
     assert [trial[2:] for trial in other.trials] == [trial[2:] for trial in plain.trials]
     assert other.lengths == plain.lengths
+
+
+@pytest.mark.parametrize("rules", ["max_min", "ant_colony_system", "zhang_apf", "zhang2011", "wei2018"])
+@pytest.mark.parametrize("motion", [Motion(), Motion("grid8")], ids=lambda motion: motion.name)
+def test_so_it_is_under_any_rules_and_motion(rules, motion):
+    scenario = random_scenario(3, blocked=0.1) if motion.layered else random_grid(1, motion, 8, 0.2)
+    problem = TuningProblem(scenario, rules, 5, 13, seed=2)
+    for unit in settings(3):
+        plain, other = Session(problem, 1), Session(problem, 1)
+        plain.evaluate(unit)
+        steered(other, [unit] * 5)
+        assert (other.trials[0][2:], other.lengths) == (plain.trials[0][2:], plain.lengths)
 
 
 def test_it_keeps_the_settings_of_all_its_blocks_in_order(problem):
