@@ -77,7 +77,7 @@ class OpenTrial:
 
 
 def walk_together(trials: list[OpenTrial], units: NDArray[np.float64], naturals: NDArray[np.float64]) -> None:
-    """Walk the next block of several open trials in one planner call; the only caller of colonies above planners.
+    """Walk the next block of several open trials in one planner call.
 
     Args:
         trials: n different ones, none of them over.
