@@ -16,10 +16,12 @@ class Entry(NamedTuple):
 
 _ONE_SHOT = ("antgym.envs.one_shot:OneShotEnv", "antgym.envs.vector:make_one_shot")
 _TRIALS = ("antgym.envs.trials:TrialsEnv", "antgym.envs.vector:make_trials")
+_CONTROL = ("antgym.envs.control:ControlEnv", "antgym.envs.vector:make_control")
 
 CATALOGUE = (
     Entry("antgym/MountainOneShot-v0", *_ONE_SHOT, {"suite": "mountain-v0"}),
     Entry("antgym/MountainTrials-v0", *_TRIALS, {"suite": "mountain-v0"}),
+    Entry("antgym/MountainControl-v0", *_CONTROL, {"suite": "mountain-v0"}),
 )
 
 
