@@ -27,6 +27,7 @@ WORLDS = {
 REGIMES = {
     "OneShot": ("antgym.envs.one_shot:OneShotEnv", "antgym.envs.vector:make_one_shot"),
     "Trials": ("antgym.envs.trials:TrialsEnv", "antgym.envs.vector:make_trials"),
+    "Control": ("antgym.envs.control:ControlEnv", "antgym.envs.vector:make_control"),
 }
 """Every regime and its entry points: one environment, and the native batch."""
 

@@ -1,7 +1,5 @@
 """OneShot: a contextual bandit; one choice, one planner run."""
 
-from typing import Any
-
 import numpy as np
 
 from antgym.envs.base import Step, TuningEnv, documented
@@ -88,15 +86,14 @@ class OneShotEnv(TuningEnv):
     The docstring of `antgym.planners.rules` names paper and equations of every rule.
     """
 
-    def judge(self, trials: tuple[Trial, ...]) -> Request | None:
+    def judge(self, outcome: tuple[Trial, ...]) -> Request | None:
         """A run of the published default, where the reward compares with it."""
         if self._reward != "improvement":
             return None
-        return self.session.problem, np.full((1, len(trials[0].unit)), 0.5), FRESH, 0
+        return self.session.problem, np.full((1, len(outcome[0].unit)), 0.5), FRESH, 0
 
-    def conclude(self, trials: tuple[Trial, ...], fresh: Plans | None) -> Step:
+    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Step:
         """End the episode with the run's own length."""
         self.planner_runs += 1 if fresh is None else 2
-        length = self.session.lengths[-1]
-        info: dict[str, Any] = self._judged(trials[-1].unit, length)
-        return self._observe(), self._pays(length, fresh), True, False, info
+        info = self._judged(self._natural(outcome[-1].unit), self.session.lengths[-1])
+        return self._observe(), self._pays(info, fresh), True, False, info

@@ -1,5 +1,7 @@
 """Features of a task: the scenario's descriptors, the effort it is planned with, and the colony's rules."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,3 +45,9 @@ def task_features(
     effort = np.clip([np.log10(ants) / 3, np.log10(iterations) / 4], 0.0, 1.0)
     shown = [name == rules for name in RULES_SHOWN]
     return np.concatenate([scenario.descriptors, effort, shown]).astype(np.float32)
+
+
+def feature_bounds(features: Sequence[Feature]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return (low, high) of some features, float32 both."""
+    low, high = [f.low for f in features], [f.high for f in features]
+    return np.array(low, dtype=np.float32), np.array(high, dtype=np.float32)
