@@ -136,21 +136,19 @@ PAPERS: dict[str, Rules] = {
     "zhang_apf-original": _textbook(
         0.8, 1.0, "zhang_apf (1)-(3): chosen by pheromone alone", beta=3.0, **_POTENTIAL_FIELD, w1=0.0
     ),
-    # global and local update rules are named and not given: ACS has both, and its global one rewards the best path, as
-    # MAX-MIN limits want it; all ants rewarded, as (4), (5) read, is the basic colony's
+    # all ants deposit, as (4), (5) read: what its global update rule rewards beside them is not given
     "zhang2011": _textbook(
-        0.5,
+        0.9,
         1.0,
         "zhang2011 (1), (3)-(7), retreat",
         beta=2.0,
         **_STEP,
         q0=0.6,
-        ranked=2,
         limits=True,
         local=0.1,
         trap="retreat",
     ),
-    "zhang2011-basic": _textbook(0.5, 1.0, "zhang2011 (1), (3)-(5)", beta=2.0, **_STEP),
+    "zhang2011-basic": _textbook(0.9, 1.0, "zhang2011 (1), (3)-(5)", beta=2.0, **_STEP),
     "wei2018": _textbook(
         0.7,
         0.01,
