@@ -72,7 +72,7 @@ def test_the_search_finds_each_pools_own_best(monkeypatch):
 
     monkeypatch.setattr(pool, "run_gaps", run_gaps)
     centres = [(0.2, 0.8, 0.5, 0.3), (0.9, 0.1, 0.6, 0.7)]
-    stages = card.PRESETS["full"].oracle
+    stages = (Stage(0, 2), Stage(24, 4, 16, 0.08), Stage(12, 8), Stage(8, 8, 8, 0.04), Stage(6, 24))
     winners = search(
         [Pool([Bowl(c)], design(64), seed=i) for i, c in enumerate(centres)], stages, lambda _: None
     )
