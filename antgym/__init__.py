@@ -9,6 +9,7 @@ from antgym.envs.catalogue import register_all
 from antgym.errors import AntgymError
 
 if TYPE_CHECKING:
+    from antgym.envs.vector import env_seeds
     from antgym.maps.motion import Motion
     from antgym.maps.readers import jacksboro, read_heights
     from antgym.maps.shaping import fill_missing, voxelise
@@ -32,6 +33,7 @@ _HOMES = {
     "Scenario": "antgym.maps.world",
     "Session": "antgym.tuning.session",
     "TuningProblem": "antgym.tuning.problem",
+    "env_seeds": "antgym.envs.vector",
     "fill_missing": "antgym.maps.shaping",
     "jacksboro": "antgym.maps.readers",
     "load_suite": "antgym.maps.suites",
@@ -52,6 +54,7 @@ __all__ = [
     "Scenario",
     "Session",
     "TuningProblem",
+    "env_seeds",
     "fill_missing",
     "jacksboro",
     "load_suite",

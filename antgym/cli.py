@@ -59,7 +59,10 @@ class PlanFile:
 
 @dataclass(frozen=True)
 class Envs:
-    """List the registered environments: id, entry points, sizes of action and observation."""
+    """List the environments: id, sizes of action and observation, card; or print the page of one."""
+
+    id: tyro.conf.Positional[str | None] = None
+    """Id of one environment, as antgym/OpenTrials-v0; all in a table without it."""
 
 
 @dataclass(frozen=True)
@@ -84,22 +87,11 @@ Command = (
 )
 
 
-def envs(_: Envs) -> int:
-    """Print the table of environments."""
-    import gymnasium
-    from rich.table import Table
+def envs(arguments: Envs) -> int:
+    """Print the table of environments, or the page of one."""
+    from antgym import listing
 
-    from antgym.envs.catalogue import CATALOGUE
-
-    table = Table(title="Environments: gymnasium.make(id)")
-    for heading in ("id", "entry point", "vector entry point", "action", "observation"):
-        table.add_column(heading, overflow="fold")
-    for entry in CATALOGUE:
-        env = gymnasium.make(entry.id)
-        sizes = (str(space.shape) for space in (env.action_space, env.observation_space))
-        table.add_row(entry.id, entry.entry_point, entry.vector_entry_point, *sizes)
-        env.close()
-    _print(table)
+    _print(listing.table() if arguments.id is None else listing.page(arguments.id))
     return 0
 
 

@@ -27,6 +27,10 @@ class LedgerError(AntgymError):
     """A ledger that is damaged, in use, or that does not fit the run that wants to resume it."""
 
 
+class ContractError(AntgymError, AssertionError):
+    """An environment that does not keep the contract it is checked against."""
+
+
 class MissingExtraError(AntgymError, ImportError):
     """An optional dependency that is not installed."""
 

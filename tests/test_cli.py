@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antgym import cli, console, plan_file
+from antgym import cli, console, listing, plan_file
+from antgym.envs.cards import load_card, summary
 from antgym.envs.catalogue import CATALOGUE
 from antgym.errors import AntgymError, MapError
 from antgym.maps.readers import HeightField
+from antgym.maps.recipes import SUITES
 from antgym.maps.world import Scenario
 from antgym.planners.colony import plan
 from antgym.planners.rules import PAPERS
@@ -59,13 +61,44 @@ def test_the_script_is_declared():
     assert 'antgym = "antgym.cli:main"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 
-def test_envs_lists_every_id_with_its_sizes():
+def test_envs_lists_every_id_with_its_sizes_and_card():
     done = shell("envs")
     assert done.returncode == 0, done.stderr
     for entry in CATALOGUE:
         assert entry.id in done.stdout
-        assert entry.entry_point in done.stdout
+        assert summary(load_card(entry.world)) in done.stdout
     assert "(4,)" in done.stdout
+
+
+@pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
+def test_envs_prints_the_page_of_one(entry, capsys):
+    assert cli.run(["envs", entry.id]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.startswith(entry.id)
+    for word in (
+        entry.entry_point,
+        entry.vector_entry_point,
+        entry.kwargs["suite"],
+        summary(load_card(entry.world)),
+    ):
+        assert word in said
+    assert ("budget: 10" in said) == entry.id.endswith("Trials-v0")
+    for rules in SUITES[entry.kwargs["suite"]].rules:
+        alpha, beta, _, _ = PAPERS[rules].ranges
+        assert f"{rules} {alpha[0]:.4g} < {alpha[1]:.4g} < {alpha[2]:.4g} {beta[0]:.4g} <" in said
+
+
+def test_a_page_shows_the_whole_card(monkeypatch, capsys):
+    card = {
+        "gap": {"published default": [0.6, 0.5, 0.7], "SBS": [0.3, 0.2, 0.4]},
+        "headroom": {"over SBS by rule": [0.4, 0.3, 0.5]},
+        "noted": "by hand",
+    }
+    monkeypatch.setattr(listing, "load_card", lambda world: card)
+    cli.run(["envs", "antgym/RoomTrials-v0"])
+    said = capsys.readouterr().out
+    assert "headroom 40% [30%, 50%]" in said
+    assert '"noted": "by hand"' in said
 
 
 def test_bench_prints_figures_and_writes_them(tmp_path):
@@ -194,6 +227,7 @@ BAD = {
     "no ants": ("plan", HILLS, *ENDS, "--ants", "0"),
     "negative seed": ("plan", HILLS, *ENDS, "--seed", "-1"),
     "unwritable": (*SOLVED, "--no-picture", "--out", f"{HILLS}/way"),
+    "unknown environment": ("envs", "antgym/OpenTrial-v0"),
     "unknown workload": ("bench", "--workload", "huge"),
     "no turns": ("bench", "--repeats", "0"),
 }

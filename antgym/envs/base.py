@@ -10,18 +10,18 @@ import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antgym.envs.manual import ranges_table, worlds_table
 from antgym.errors import ParameterError, is_count, nearest
-from antgym.maps.features import feature_table
+from antgym.maps.features import Feature, feature_table
 from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, load_suite
-from antgym.planners.colony import Plans
+from antgym.planners.colony import Colony, Plans
 from antgym.planners.parameters import ColonyParameters
-from antgym.planners.rules import PAPERS
 from antgym.planners.space import named_values
 from antgym.tuning.features import TASK_FEATURES
-from antgym.tuning.observation import bounds, observe, observe_with_map
-from antgym.tuning.problem import COST_CAP, Request, TuningProblem
-from antgym.tuning.session import Session, Trial, evaluate_together
+from antgym.tuning.observation import bounds, observe
+from antgym.tuning.problem import COST_CAP, TRIAL, Request, TuningProblem, run_together
+from antgym.tuning.session import Session, evaluate_together
 
 REWARDS = ("gap", "length", "improvement")
 OBSERVATIONS = ("features", "map", "map2d", "map3d")
@@ -33,9 +33,12 @@ _Regime = TypeVar("_Regime", bound="type[TuningEnv]")
 def documented(regime: _Regime) -> _Regime:
     """Fill the tables of a regime's docstring in from what the environment itself reads."""
     if regime.__doc__:  # python -OO strips it
-        actions = PAPERS["liu2020"].ranges.space(straight_line=1.0).to_markdown()
-        text = cleandoc(regime.__doc__)
-        regime.__doc__ = text.format(actions=actions, observations=feature_table(TASK_FEATURES))
+        tables = {
+            "actions": ranges_table(),
+            "observations": feature_table(regime.features),
+            "worlds": worlds_table(),
+        }
+        regime.__doc__ = cleandoc(regime.__doc__).format(**tables)
     return regime
 
 
@@ -48,14 +51,16 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         effort: (ants, iterations) for every scenario instead of each scenario's own.
         reward: ``"gap"``, ``"length"`` or ``"improvement"``.
         observation: ``"features"``, the vector alone, or with a map beside it: ``"map2d"``, ``"map3d"``, or ``"map"``
-            for that of the two which fits the first training scenario of the suite.
+            for that of the two which fits the suite: flat where all its worlds are.
         render_mode: ``"ansi"``, ``"rgb_array"`` or None.
         unknown: raises ParameterError naming the nearest valid argument.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 1}  # noqa: RUF012
     arguments: tuple[str, ...] = ("suite", "split", "effort", "reward", "observation", "render_mode")
+    features: tuple[Feature, ...] = TASK_FEATURES  # the tabulated part of the observation
     _budget, _window = 1, 0  # trials an episode pays for, and how many of them the observation shows
+    least_iterations = 1  # of a run
 
     def __init__(
         self,
@@ -81,13 +86,15 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             valid = tuple(self.metadata["render_modes"])
             raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
         self._suite = load_suite(suite, split)
-        self._effort = None if effort is None else _checked_effort(effort)
+        self._effort = None if effort is None else _checked_effort(effort, self.least_iterations)
         self._reward = reward
         self.render_mode = render_mode
         dimension = len(ColonyParameters._fields)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (dimension,), np.float32)
-        features = gymnasium.spaces.Box(*bounds(dimension, window=self._window), dtype=np.float32)
-        self._flat_map = _map_is_flat(observation, suite)
+        features = gymnasium.spaces.Box(*self._bounds(), dtype=np.float32)
+        self._flat_map = {"features": None, "map": self._suite.flat, "map2d": True, "map3d": False}[
+            observation
+        ]
         self.observation_space = _with_map(features, self._flat_map)
         self._root: int | None = None
         self._episode = 0
@@ -114,31 +121,39 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         root, episode = self._root, self._episode + 1
         if seed is not None or root is None:
             root, episode = int(self.np_random.integers(2**63)) if seed is None else seed, 0
-        problem = self._draw(root, episode, dict(options or {}))
-        self._root, self._episode, self._session = root, episode, Session(problem, self._budget)
+        session = self._begin(self._draw(root, episode, dict(options or {})))
+        self._root, self._episode, self._session = root, episode, session
         return self._observe(), self._facts()
 
     def step(self, action: NDArray[np.float32]) -> Step:
         """Pay for one setting and judge it."""
-        trials = evaluate_together([self.pay(action)])[0]
-        request = self.judge(trials)
-        return self.conclude(trials, None if request is None else request[0].run(*request[1:]))
+        return step_together([self], [action])[0]
+
+    @property
+    def over(self) -> bool:
+        """Whether the episode has ended."""
+        return self.session.left == 0
 
     def pay(self, action: ArrayLike) -> tuple[Session, NDArray[np.float64]]:
-        """Return what this action pays for: the session and the (1, d) setting."""
-        if self.session.left == 0:
+        """Return what this action asks of the planner: the session and the (1, d) setting."""
+        if self.over:
             raise ParameterError("the episode is over; call reset()")
         values = np.asarray(action, dtype=np.float64)
         if values.shape != self.action_space.shape or not (np.abs(values) <= 1).all():
             raise ParameterError(f"action {values.tolist()} is no point of {self.action_space}")
         return self.session, ((values + 1) / 2)[None, :]
 
-    @abstractmethod
-    def judge(self, trials: tuple[Trial, ...]) -> Request | None:
-        """Return the fresh, uncharged runs that the reward needs, or None."""
+    @staticmethod
+    def spend(requests: Sequence[tuple[Session, NDArray[np.float64]]]) -> Sequence[Any]:
+        """Let the planner run what several environments of this regime ask of it, in one call."""
+        return evaluate_together(requests)
 
     @abstractmethod
-    def conclude(self, trials: tuple[Trial, ...], fresh: Plans | None) -> Step:
+    def judge(self, outcome: Any) -> Request | None:
+        """Return the fresh, uncharged runs that the reward of what was spent needs, or None."""
+
+    @abstractmethod
+    def conclude(self, outcome: Any, fresh: Plans | None) -> Step:
         """Return what step() returns."""
 
     def encode(self, *, alpha: float, beta: float, rho: float, Q: float) -> NDArray[np.float32]:
@@ -154,7 +169,11 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             )
         from antgym.envs.render import ansi, rgb_array
 
-        return (ansi if self.render_mode == "ansi" else rgb_array)(self.session)
+        return (ansi if self.render_mode == "ansi" else rgb_array)(self.session.problem, self._walked())
+
+    def _begin(self, problem: TuningProblem) -> Session:
+        """Return the session of a new episode."""
+        return Session(problem, self._budget)
 
     def _draw(self, root: int, episode: int, options: dict[str, Any]) -> TuningProblem:
         rng = np.random.default_rng(np.random.SeedSequence(root, spawn_key=(episode,)))
@@ -165,14 +184,36 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if not isinstance(chosen, Integral) or not 0 <= int(chosen) < len(self._suite):
             raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {len(self._suite) - 1}")
         item = self._suite[int(chosen)]
-        ants, iterations = self._effort or (item.ants, item.iterations)
+        ants, iterations = self._effort or (item.ants, max(item.iterations, self.least_iterations))
         return TuningProblem(item.scenario, item.rules, ants, iterations, planner_seed)
 
+    def _walked(self) -> Colony | None:
+        """Return the colony of the last run, None before any: it is walked again, same seed and same ants."""
+        if not self.session.trials:
+            return None
+        problem, trial = self.session.problem, self.session.trials[-1]
+        colony = Colony(
+            problem.scenario,
+            rules=problem.rules,
+            ants=problem.ants,
+            iterations=problem.iterations,
+            seed=int(problem.seeds(TRIAL, trial.index, 1)[0]),
+        )
+        colony.advance(problem.space.decode(trial.unit)[0], problem.iterations)
+        return colony
+
     def _observe(self) -> Observation:
-        task, trials = self.session.task, self.session.trials
+        vector = self._vector()
         if self._flat_map is None:
-            return observe(task, trials, window=self._window)
-        return observe_with_map(task, trials, window=self._window, flat=self._flat_map)
+            return vector
+        return {"features": vector, "map": self.session.task.map(self._flat_map).copy()}
+
+    def _bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return (low, high) of the vector shown."""
+        return bounds(len(ColonyParameters._fields), window=self._window)
+
+    def _vector(self) -> NDArray[np.float32]:
+        return observe(self.session.task, self.session.trials, window=self._window)
 
     def _facts(self) -> dict[str, Any]:
         problem = self.session.problem
@@ -181,10 +222,11 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             "seed": problem.seed,
             "ants": problem.ants,
             "iterations": problem.iterations,
+            "rules": problem.rules,
         }
 
-    def _judged(self, unit: tuple[float, ...], length: float) -> dict[str, Any]:
-        """Return the facts of a run with one setting."""
+    def _judged(self, parameters: Sequence[float], length: float) -> dict[str, Any]:
+        """Return the facts of a run with natural parameters and the length that it came to."""
         problem = self.session.problem
         return {
             **self._facts(),
@@ -192,22 +234,29 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             "optimum": problem.scenario.optimum,
             "gap": float(problem.gap(np.array([length]))[0]),
             "solved": bool(np.isfinite(length)),
-            "parameters": named_values(problem.space, problem.space.decode(unit)[0].tolist()),
+            "parameters": named_values(problem.space, parameters),
         }
 
-    def _pays(self, length: float, default: Plans | None) -> float:
-        problem = self.session.problem
+    def _natural(self, unit: tuple[float, ...]) -> list[float]:
+        return self.session.problem.space.decode(unit)[0].tolist()
+
+    def _pays(self, judged: Mapping[str, Any], default: Plans | None) -> float:
+        """Return the reward of a judged run, beside one of the published default where that counts."""
         if self._reward == "length":
-            return -float(min(length, COST_CAP * problem.scenario.straight_line))
-        gap = float(problem.gap(np.array([length]))[0])
-        return -gap if default is None else float(problem.gap(default.lengths)[0]) - gap
+            return -float(judged["length"])
+        gap = float(judged["gap"])
+        return -gap if default is None else float(self.session.problem.gap(default.lengths)[0]) - gap
 
 
-def _map_is_flat(observation: str, suite: str) -> bool | None:
-    """Return whether the map shown is flat, None where none is; the same for every split of a suite."""
-    if observation == "map":
-        return bool(load_suite(suite, "train")[0].scenario.world.shape[2] == 1)
-    return {"features": None, "map2d": True, "map3d": False}[observation]
+def step_together(envs: Sequence[TuningEnv], actions: Sequence[ArrayLike]) -> list[Step]:
+    """Step environments of one regime: what they ask is one planner call, what judging them needs another."""
+    if not envs:
+        return []
+    outcomes = envs[0].spend([env.pay(action) for env, action in zip(envs, actions, strict=True)])
+    requests = [env.judge(outcome) for env, outcome in zip(envs, outcomes, strict=True)]
+    fresh = iter(run_together([request for request in requests if request is not None]))
+    plans = [None if request is None else next(fresh) for request in requests]
+    return [env.conclude(*judged) for env, *judged in zip(envs, outcomes, plans, strict=True)]
 
 
 def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:
@@ -217,9 +266,14 @@ def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:
     return gymnasium.spaces.Dict({"features": features, "map": picture})
 
 
-def _checked_effort(effort: Sequence[int]) -> tuple[int, int]:
+def _checked_effort(effort: Sequence[int], least_iterations: int) -> tuple[int, int]:
     if not isinstance(effort, Sequence) or len(effort) != 2 or not all(map(is_count, effort)):
         raise ParameterError(
             f"effort = {effort!r}: needs (ants, iterations), two whole numbers of at least 1"
+        )
+    if effort[1] < least_iterations:
+        raise ParameterError(
+            f"effort = {effort!r}: needs (ants, iterations) with at least {least_iterations} iterations, for a run "
+            "is steered in blocks"
         )
     return int(effort[0]), int(effort[1])

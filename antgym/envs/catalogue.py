@@ -1,4 +1,4 @@
-"""The table of environment ids: one row is one world in one regime."""
+"""The table of environment ids: every world in every regime."""
 
 from typing import Any, NamedTuple
 
@@ -12,14 +12,29 @@ class Entry(NamedTuple):
     entry_point: str
     vector_entry_point: str
     kwargs: dict[str, Any]
+    world: str
 
 
-_ONE_SHOT = ("antgym.envs.one_shot:OneShotEnv", "antgym.envs.vector:make_one_shot")
-_TRIALS = ("antgym.envs.trials:TrialsEnv", "antgym.envs.vector:make_trials")
+WORLDS = {
+    "Mountain": "mountain-v0",
+    "PotentialField": "potential-field-v0",
+    "Room": "room-v0",
+    "Pallet": "pallet-v0",
+    "Open": "open-v0",
+}
+"""Every world and the suite that its scenarios come from."""
 
-CATALOGUE = (
-    Entry("antgym/MountainOneShot-v0", *_ONE_SHOT, {"suite": "mountain-v0"}),
-    Entry("antgym/MountainTrials-v0", *_TRIALS, {"suite": "mountain-v0"}),
+REGIMES = {
+    "OneShot": ("antgym.envs.one_shot:OneShotEnv", "antgym.envs.vector:make_one_shot"),
+    "Trials": ("antgym.envs.trials:TrialsEnv", "antgym.envs.vector:make_trials"),
+    "Control": ("antgym.envs.control:ControlEnv", "antgym.envs.vector:make_control"),
+}
+"""Every regime and its entry points: one environment, and the native batch."""
+
+CATALOGUE = tuple(
+    Entry(f"antgym/{world}{regime}-v0", *entry_points, {"suite": suite}, world)
+    for world, suite in WORLDS.items()
+    for regime, entry_points in REGIMES.items()
 )
 
 

@@ -1,7 +1,5 @@
 """OneShot: a contextual bandit; one choice, one planner run."""
 
-from typing import Any
-
 import numpy as np
 
 from antgym.envs.base import Step, TuningEnv, documented
@@ -15,28 +13,38 @@ class OneShotEnv(TuningEnv):
     """Choose the parameters of an ant colony once, for a map it has not walked yet.
 
     ## Description
-    A scenario of the suite is drawn: a 3D world under mountains, a start, a goal, and an effort (ants and
-    iterations). The agent sees features of it and picks (α, β, ρ, Q); the layered colony of liu2020 runs once; the
-    reward is how close its path comes to the exact optimum. It is hard because the best setting depends on the map
-    and on the effort, and because a run is noisy.
+    A scenario of the suite is drawn: a world, a start, a goal, the rules of a colony, and an effort (ants and
+    iterations). The agent sees features of it and picks (α, β, ρ, Q); the colony runs once; the reward is how close
+    its path comes to the exact optimum. It is hard because the best setting depends on the map, on the effort and on
+    the rules, and because a run is noisy.
+
+    One world of the catalogue is one suite:
+
+    {worlds}
+
+    The flat families, `rooms`, `mazes`, `clutter` and `warehouse`, are walked from cell to cell, to eight neighbours;
+    the others are cubes, walked layer by layer, in which a blind valley kills an ant. The split `ood` holds larger
+    worlds, other families and windows of real terrain.
 
     ## Action Space
-    `Box(-1, 1, (4,), float32)`: α, β, ρ, Q, each from its low end (-1) over the published default (0) to its high
-    end (1), on the parameter's own scale. `info["parameters"]` gives natural values, `encode()` the way back.
+    `Box(-1, 1, (4,), float32)`: α, β, ρ, Q, each from its low end (-1) over the published default of the scenario's
+    rules (0) to its high end (1), linear in two pieces on the parameter's own scale. The rules of the scenario say
+    which row counts: low < default < high.
 
     {actions}
 
-    Q's range is κ = Q / straight line from start to goal, shown for a straight line of 1.
+    κ = Q / (straight line from start to goal · initial pheromone), the only form in which Q acts.
+    `info["parameters"]` gives natural values, `encode()` the way back.
 
     ## Observation Space
-    `Box(float32)`: the features of the task; nothing in them depends on the optimum.
+    `Box(float32)`: the features of the task, the rules among them; nothing in them depends on the optimum.
 
     {observations}
 
     With `observation="map"` a `Dict`: `features` is this vector, `map` a `Box(0, 1, float32)` of the down-sampled
-    world, stretched to (3, 16, 16, 16), in flat suites to (3, 32, 32): the blocked share of every block, then marks
-    of start and goal. `"map3d"` and `"map2d"` ask for one of these shapes; a flat world in 3D is its level at every
-    height, a voxel world in 2D is seen from above.
+    world, stretched to (3, 16, 16, 16), in suites that are flat throughout to (3, 32, 32): the blocked share of every
+    block, then marks of start and goal. `"map3d"` and `"map2d"` ask for one of these shapes; a flat world in 3D is
+    its level at every height, a voxel world in 2D is seen from above.
 
     ## Rewards
     - `"gap"` (default): −min(gap, 1) in [−1, 0], gap = (L − L*) / L*; a run without a path pays −1.
@@ -52,15 +60,15 @@ class OneShotEnv(TuningEnv):
     2. Truncation: never.
 
     ## Information
-    `reset`: `scenario`, `seed`, `ants`, `iterations`. `step` adds `length` (10 straight lines where
+    `reset`: `scenario`, `seed`, `ants`, `iterations`, `rules`. `step` adds `length` (10 straight lines where
     unsolved), `optimum`, `gap` (1 where unsolved), `solved`, `parameters`. `env.unwrapped.planner_runs` counts
     every planner run so far.
 
     ## Arguments
     | name | default | meaning |
     |---|---|---|
-    | `suite` | `"mountain-v0"` | where scenarios come from |
-    | `split` | `"train"` | `train`, `validation`, `test` or `ood` (real terrain) |
+    | `suite` | the world's | where scenarios come from |
+    | `split` | `"train"` | `train`, `validation`, `test` or `ood` |
     | `effort` | `None` | `[ants, iterations]` for every scenario instead of its own |
     | `reward` | `"gap"` | see above |
     | `observation` | `"features"` | or `"map"`, `"map2d"`, `"map3d"`, see above |
@@ -75,18 +83,17 @@ class OneShotEnv(TuningEnv):
     * v0: first release (not frozen yet)
 
     ## References
-    liu2020: a layered ant colony in 3D and a parameter-transfer graph, equations (1)-(8).
+    The docstring of `antgym.planners.rules` names paper and equations of every rule.
     """
 
-    def judge(self, trials: tuple[Trial, ...]) -> Request | None:
+    def judge(self, outcome: tuple[Trial, ...]) -> Request | None:
         """A run of the published default, where the reward compares with it."""
         if self._reward != "improvement":
             return None
-        return self.session.problem, np.full((1, len(trials[0].unit)), 0.5), FRESH, 0
+        return self.session.problem, np.full((1, len(outcome[0].unit)), 0.5), FRESH, 0
 
-    def conclude(self, trials: tuple[Trial, ...], fresh: Plans | None) -> Step:
+    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Step:
         """End the episode with the run's own length."""
         self.planner_runs += 1 if fresh is None else 2
-        length = self.session.lengths[-1]
-        info: dict[str, Any] = self._judged(trials[-1].unit, length)
-        return self._observe(), self._pays(length, fresh), True, False, info
+        info = self._judged(self._natural(outcome[-1].unit), self.session.lengths[-1])
+        return self._observe(), self._pays(info, fresh), True, False, info

@@ -5,10 +5,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.planners.colony import Colony, Plan
-from antgym.planners.space import named_values
-from antgym.tuning.problem import TRIAL
-from antgym.tuning.session import Session
+from antgym.planners.colony import Colony
+from antgym.tuning.problem import TuningProblem
 
 SIDE = 480  # pixels of the longer edge of a panel
 _SHADES = " .:-=+*%"
@@ -17,19 +15,17 @@ _PHEROMONE, _PATH = np.array([0.10, 0.55, 0.75]), np.array([0.85, 0.15, 0.10])
 _START, _GOAL = np.array([0.10, 0.60, 0.20]), np.array([0.95, 0.70, 0.05])
 
 
-def ansi(session: Session) -> str:
+def ansi(problem: TuningProblem, colony: Colony | None) -> str:
     """Return the map from above, x to the right, y up: shades are heights, ``o`` the path, ``S`` and ``G`` its ends."""
-    problem = session.problem
     height = _relative_height(problem.scenario.world.free)
     canvas = np.array(list(_SHADES))[np.minimum(height * len(_SHADES), len(_SHADES) - 1).astype(int)]
     lines = [
         f"{problem.scenario.name}: {problem.ants} ants, {problem.iterations} iterations, {problem.rules}"
     ]
-    plan = _replay(session)[0] if session.trials else None
-    if plan is not None:
+    if colony is not None:
+        plan, values = colony.result(), colony.parameters._asdict()
         for x, y, _ in plan.path:
             canvas[x, y] = "o"
-        values = named_values(problem.space, problem.space.decode(session.trials[-1].unit)[0].tolist())
         lines += [", ".join(f"{name} {value:.4g}" for name, value in values.items())]
         lines += [
             f"length {plan.length:.2f}, optimum {problem.scenario.optimum:.2f}"
@@ -40,47 +36,39 @@ def ansi(session: Session) -> str:
     return "\n".join(lines + ["".join(row) for row in canvas.T[::-1]])
 
 
-def rgb_array(session: Session) -> NDArray[np.uint8]:
-    """Return two panels, (h, w, 3) uint8: from above (x, y) and from the side (x, z), both with x to the right."""
-    scenario = session.problem.scenario
-    plan, cells, amounts = (
-        _replay(session) if session.trials else (None, np.empty((0, 3), np.int64), np.empty(0))
-    )
+def rgb_array(problem: TuningProblem, colony: Colony | None) -> NDArray[np.uint8]:
+    """Return two panels, (h, w, 3) uint8: from above (x, y) and from the side (x, z), both with x to the right.
+
+    A flat world is shown from above alone.
+    """
+    scenario = problem.scenario
+    path, cells, amounts = np.empty((0, 3), np.int64), np.empty((0, 3), np.int64), np.empty(0)
+    if colony is not None:
+        path, (cells, amounts) = colony.result().path, colony.pheromone()
     height = _relative_height(scenario.world.free)
     skyline = scenario.world.free.min(axis=1)  # a cell of the side view is open where it is free for every y
     side = np.where(skyline, 0.05, 0.2 + 0.6 * (1 - scenario.world.free.mean(axis=1)))
     panels = []
-    for shade, axis in ((height, 1), (side, 2)):
+    for shade, axis in ((height, 1), (side, 2))[: 1 if scenario.world.shape[2] == 1 else 2]:
         image = _LOW + shade[..., None] * (_HIGH - _LOW)
         glow = np.zeros(shade.shape)
         np.maximum.at(glow, (cells[:, 0], cells[:, axis]), amounts)
         image += 0.8 * glow[..., None] * (_PHEROMONE - image)
         scale = max(1, SIDE // max(shade.shape))
         pixels = image.repeat(scale, axis=0).repeat(scale, axis=1)
-        if plan is not None and plan.solved:
-            _draw_line(pixels, plan.path[:, [0, axis]], scale)
+        _draw_line(pixels, path[:, [0, axis]], scale)
         for end, colour in ((scenario.start, _START), (scenario.goal, _GOAL)):
             _draw_dot(pixels, np.array([end[0], end[axis]]), scale, 0.45, colour)
         panels.append(pixels.transpose(1, 0, 2)[::-1])
     gap = np.ones((4, panels[0].shape[1], 3))
-    return np.round(255 * np.clip(np.vstack([panels[0], gap, panels[1]]), 0, 1)).astype(np.uint8)
+    stacked = np.vstack([panels[0], *(part for panel in panels[1:] for part in (gap, panel))])
+    return np.round(255 * np.clip(stacked, 0, 1)).astype(np.uint8)
 
 
 def _relative_height(free: NDArray[np.uint8]) -> NDArray[np.float64]:
     """Return the height of every column, (nx, ny) in [0, 1]: its highest blocked cell."""
     levels = free.shape[2]
     return np.where((free == 0).any(axis=2), levels - (free == 0)[:, :, ::-1].argmax(axis=2), 0) / levels
-
-
-def _replay(session: Session) -> tuple[Plan, NDArray[np.int64], NDArray[np.float64]]:
-    """Walk the last trial's run again, same seed and same ants, for its pheromone; nothing new is learned by it."""
-    problem, trial = session.problem, session.trials[-1]
-    seed = int(problem.seeds(TRIAL, trial.index, 1)[0])
-    colony = Colony(
-        problem.scenario, rules=problem.rules, ants=problem.ants, iterations=problem.iterations, seed=seed
-    )
-    colony.advance(problem.space.decode(trial.unit)[0], problem.iterations)
-    return colony.result(), *colony.pheromone()
 
 
 def _draw_line(pixels: NDArray[np.float64], cells: NDArray[np.int64], scale: int) -> None:

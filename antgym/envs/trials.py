@@ -22,11 +22,12 @@ class TrialsEnv(TuningEnv):
     good the incumbent is, not how lucky a trial was.
 
     ## Action Space
-    `Box(-1, 1, (4,), float32)`: α, β, ρ, Q as in OneShot.
+    `Box(-1, 1, (4,), float32)`: α, β, ρ, Q as in OneShot; 0 is the published default of the scenario's rules. The
+    rules of the scenario say which row counts: low < default < high.
 
     {actions}
 
-    Q's range is κ = Q / straight line from start to goal, shown for a straight line of 1.
+    κ = Q / (straight line from start to goal · initial pheromone).
 
     ## Observation Space
     `Box(float32)`: the features of the task, then the share of the budget left, the incumbent's setting and mean
@@ -68,7 +69,7 @@ class TrialsEnv(TuningEnv):
     * v0: first release (not frozen yet)
 
     ## References
-    liu2020, as in OneShot.
+    As in OneShot.
     """
 
     arguments = (*TuningEnv.arguments, "budget", "window")
@@ -80,18 +81,17 @@ class TrialsEnv(TuningEnv):
         self._budget, self._window = int(budget), int(window)
         super().__init__(suite, **others)
 
-    def judge(self, trials: tuple[Trial, ...]) -> Request | None:  # noqa: ARG002 - the incumbent is all that counts
+    def judge(self, outcome: tuple[Trial, ...]) -> Request | None:  # noqa: ARG002 - the incumbent is all that counts
         """A fresh run of the incumbent, and of the default where the reward compares with it."""
         unit, _ = incumbent(self.session.trials)
         units = [unit, (0.5,) * len(unit)] if self._reward == "improvement" else [unit]
         return self.session.problem, np.array(units), FRESH, 2 * (len(self.session.trials) - 1)
 
-    def conclude(self, trials: tuple[Trial, ...], fresh: Plans | None) -> Step:
+    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Step:
         """Pay for the incumbent's fresh run."""
         assert fresh is not None
         self.planner_runs += 1 + len(fresh)
         unit, _ = incumbent(self.session.trials)
-        length = float(fresh.lengths[0])
-        reward = self._pays(length, fresh[1:] if len(fresh) > 1 else None) / self.session.task.budget
-        info = {**self._judged(unit, length), "cost": trials[-1].cost}
+        info = {**self._judged(self._natural(unit), float(fresh.lengths[0])), "cost": outcome[-1].cost}
+        reward = self._pays(info, fresh[1:] if len(fresh) > 1 else None) / self.session.task.budget
         return self._observe(), reward, self.session.left == 0, False, info

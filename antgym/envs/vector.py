@@ -1,6 +1,7 @@
 """The native batch: N environments whose planner runs are one call."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Any, cast
 
 import numpy as np
@@ -8,10 +9,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 from numpy.typing import NDArray
 
-from antgym.envs.base import Observation, TuningEnv
+from antgym.envs.base import Observation, TuningEnv, step_together
 from antgym.errors import ParameterError, nearest
-from antgym.tuning.problem import run_together
-from antgym.tuning.session import evaluate_together
 
 _SLOT = 7  # seed domain of the slots of a batch
 
@@ -68,17 +67,14 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             raise ParameterError(
                 f"{len(seeds)} seeds and a mask of {mask.shape} for {self.num_envs} environments"
             )
-        infos: dict[str, Any] = {}
-        for i in np.flatnonzero(mask).tolist():
-            self._begin(i, infos, seeds[i], options)
-        return self._observations(), infos
+        infos = {i: self._begin(i, seeds[i], options) for i in np.flatnonzero(mask).tolist()}
+        return self._observations(), self._gathered(infos)
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Pay for every slot's setting in one planner call, judge them in another where rewards need it."""
         rewards, ends = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
-        infos: dict[str, Any] = {}
         if self.mode is AutoresetMode.DISABLED and self._over.any():
             raise ParameterError(
                 f"slots {np.flatnonzero(self._over).tolist()} are over; reset them by reset_mask"
@@ -86,29 +82,51 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         if np.shape(actions) != self.action_space.shape:
             raise ParameterError(f"actions of shape {np.shape(actions)} for {self.num_envs} environments")
         slots: list[int] = np.flatnonzero(~self._over).tolist()
-        outcomes = self._run(slots, actions)
-        for waiting in np.flatnonzero(self._over).tolist():
-            self._begin(waiting, infos)
-        for i, outcome in zip(slots, outcomes, strict=True):
-            observation, rewards[i], ends[i], _, info = outcome
-            if ends[i] and self.mode is AutoresetMode.SAME_STEP:
-                infos = self._add_info(infos, {"final_obs": observation, "final_info": info}, i)
-                self._begin(i, infos)
+        outcomes = step_together([self.envs[i] for i in slots], [actions[i] for i in slots])
+        infos = {i: self._begin(i) for i in np.flatnonzero(self._over).tolist()}
+        for i, (observation, reward, over, _, info) in zip(slots, outcomes, strict=True):
+            rewards[i], ends[i] = reward, over
+            if over and self.mode is AutoresetMode.SAME_STEP:
+                infos[i] = {"final_obs": observation, "final_info": info, **self._begin(i)}
             else:
-                infos = self._add_info(infos, info, i)
-                self._shown[i], self._over[i] = observation, ends[i]
-        return self._observations(), rewards, ends, np.zeros(self.num_envs, bool), infos
+                infos[i], self._shown[i], self._over[i] = info, observation, over
+        return self._observations(), rewards, ends, np.zeros(self.num_envs, bool), self._gathered(infos)
 
     def render(self) -> tuple[Any, ...]:
         """Return the pictures of all slots."""
         return tuple(env.render() for env in self.envs)
 
     def _begin(
-        self, i: int, infos: dict[str, Any], seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> None:
+        self, i: int, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> dict[str, Any]:
         self._shown[i], info = self.envs[i].reset(seed=seed, options=options)
         self._over[i] = False
-        self._add_info(infos, info, i)
+        return info
+
+    def _gathered(self, infos: Mapping[int, Mapping[str, Any]]) -> dict[str, Any]:
+        """Return the infos of some slots as arrays over all, each beside its mask, as Gymnasium lays them out."""
+        batch: dict[str, Any] = {}
+        for key in dict.fromkeys(chain.from_iterable(infos.values())):
+            slots = [i for i, info in infos.items() if key in info]
+            mask = np.zeros(self.num_envs, bool)
+            mask[slots] = True
+            batch[key], batch[f"_{key}"] = self._column(key, slots, [infos[i][key] for i in slots]), mask
+        return batch
+
+    def _column(self, key: str, slots: list[int], values: list[Any]) -> Any:
+        kind = type(values[0])
+        if kind is dict and key != "final_obs":
+            return self._gathered(dict(zip(slots, values, strict=True)))
+        plain = kind in (int, float, bool)
+        column: NDArray[Any] = (
+            np.zeros(self.num_envs, kind) if plain else np.full(self.num_envs, None, object)
+        )
+        if plain:
+            column[slots] = values
+        else:
+            for i, value in zip(slots, values, strict=True):
+                column[i] = value
+        return column
 
     def _observations(self) -> Observation:
         """Return what all slots show, in arrays of its own."""
@@ -117,13 +135,6 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
 
     def _blank(self) -> Any:
         return create_empty_array(self.single_observation_space, self.num_envs)
-
-    def _run(self, slots: list[int], actions: NDArray[np.float32]) -> list[Any]:
-        trials = evaluate_together([self.envs[i].pay(actions[i]) for i in slots])
-        requests = [self.envs[i].judge(t) for i, t in zip(slots, trials, strict=True)]
-        fresh = iter(run_together([request for request in requests if request is not None]))
-        plans = [None if request is None else next(fresh) for request in requests]
-        return [self.envs[i].conclude(t, p) for i, t, p in zip(slots, trials, plans, strict=True)]
 
 
 def _slot_seeds(
@@ -154,6 +165,16 @@ def make_trials(
 
     mode = _mode(autoreset_mode, AutoresetMode.NEXT_STEP)
     return NativeVectorEnv([TrialsEnv(**kwargs) for _ in range(num_envs)], mode)
+
+
+def make_control(
+    num_envs: int = 1, autoreset_mode: AutoresetMode | str | None = None, **kwargs: Any
+) -> NativeVectorEnv:
+    """Entry point of ``gymnasium.make_vec`` for Control; NEXT_STEP by default, as Gymnasium's own."""
+    from antgym.envs.control import ControlEnv
+
+    mode = _mode(autoreset_mode, AutoresetMode.NEXT_STEP)
+    return NativeVectorEnv([ControlEnv(**kwargs) for _ in range(num_envs)], mode)
 
 
 def _mode(value: AutoresetMode | str | None, default: AutoresetMode) -> AutoresetMode:

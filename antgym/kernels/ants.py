@@ -209,7 +209,7 @@ def _march(ground, run, moves, nodes, trail):
                 continue
             if nodes.state[row] != CLEAN:
                 if nodes.state[row] == DEAD_END:
-                    trail.row[a] = -1
+                    trail.row[a], trail.depth[a] = -1, layer
                     continue
                 refresh(run, nodes, trail, row)
             bits = draw(key, first + np.uint64(a))

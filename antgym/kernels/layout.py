@@ -24,6 +24,11 @@ ROWS, DONE, MADE, DRAWN, PACE, ACTIVE, DEEPEST, BEST_DEPTH, WANTS, STATUS_SIZE =
 SCALE, UNVISITED, BEST, LOW, HIGH, LEVEL_SIZE = range(6)
 MORE_ROWS, MORE_DEPTH, MORE_CELLS = 1, 2, 3  # Trail.status[WANTS]
 
+# What a paused run reports of itself: the shortest length so far (inf before any), the share by which the block
+# shortened it, the mean length of the last iteration (inf where none arrived), iterations since it last improved, the
+# share of the block's ants that arrived, and of the last iteration how open choices were and how different the walks
+SHORTEST, GAINED, MEAN, STAGNATION, ARRIVED, BRANCHING, DISTINCT, REPORT_SIZE = range(8)
+
 RUN = np.dtype(
     [
         ("origin", np.int64),  # where this world begins in ``bits``; a cell is the number of its bit

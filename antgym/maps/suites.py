@@ -5,7 +5,7 @@ nor the size of another split matters. A suite never changes; another world is a
 """
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, overload
@@ -13,52 +13,38 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
-from antgym.maps.generators import FAMILIES, terrain_windows
+from antgym.maps.generators import terrain_windows
 from antgym.maps.readers import jacksboro
+from antgym.maps.recipes import SUITES, draw
 from antgym.maps.world import Scenario
 
 SPLITS = ("train", "validation", "test", "ood")
-SIZES = (15, 27)
-ANTS, ITERATIONS = (5, 40), (10, 100)
-OOD_ANTS, OOD_ITERATIONS = 20, 50
+OOD_ANTS, OOD_ITERATIONS = 20, 50  # on real terrain
 
 
 class SuiteItem(NamedTuple):
-    """A scenario and the effort and rules it is planned with."""
+    """A scenario and the effort and rules it is planned with.
+
+    Attributes:
+        name: suite, split and index, or window and rotation for real terrain.
+        scenario: what is planned.
+        ants: ants per iteration.
+        iterations: iterations per run.
+        rules: name of the colony's rules.
+        family: of the scenario, ``"terrain"`` for real terrain.
+    """
 
     name: str
     scenario: Scenario
     ants: int
     iterations: int
     rules: str
-
-
-class Recipe(NamedTuple):
-    """What a suite is made of.
-
-    Attributes:
-        family: name in ``generators.FAMILIES`` of the scenarios of train, validation and test.
-        rules: name of the colony rules.
-        counts: items per generated split.
-        ood: returns the scenarios of ``ood``; called once, when it is first needed.
-    """
-
     family: str
-    rules: str
-    counts: dict[str, int]
-    ood: Callable[[], tuple[Scenario, ...]]
 
 
 @lru_cache
-def _real_terrain() -> tuple[Scenario, ...]:
-    return terrain_windows(jacksboro(), rotations=(0, 90, 180, 270))
-
-
-SUITES: dict[str, Recipe] = {
-    "mountain-v0": Recipe(
-        "mountains", "liu2020", {"train": 200, "validation": 50, "test": 100}, _real_terrain
-    ),
-}
+def _real_terrain(rotations: int) -> tuple[Scenario, ...]:
+    return terrain_windows(jacksboro(), rotations=(0, 90, 180, 270)[:rotations])
 
 
 class Suite(Sequence[SuiteItem]):
@@ -85,7 +71,12 @@ class Suite(Sequence[SuiteItem]):
         return load_suite, (self.name, self.split)  # items are made again where they are needed
 
     def __len__(self) -> int:
-        return len(self._recipe.ood()) if self.split == "ood" else self._recipe.counts[self.split]
+        return self._recipe.counts[self.split] + len(self._windows)
+
+    @property
+    def flat(self) -> bool:
+        """Whether every world of the suite is one cell high, in every split."""
+        return self._recipe.flat
 
     @overload
     def __getitem__(self, index: int) -> SuiteItem: ...
@@ -101,23 +92,34 @@ class Suite(Sequence[SuiteItem]):
         lines = (f"{item.scenario.digest} {item.ants} {item.iterations} {item.rules}\n" for item in self)
         return hashlib.sha256("".join(lines).encode()).hexdigest()
 
+    @property
+    def _windows(self) -> tuple[Scenario, ...]:
+        recipe = self._recipe
+        return _real_terrain(recipe.rotations) if self.split == "ood" and recipe.terrain else ()
+
     def _item(self, index: int) -> SuiteItem:
         if index not in self._items:
-            make = self._real if self.split == "ood" else self._generated
-            self._items[index] = make(index)
+            generated = self._recipe.counts[self.split]
+            self._items[index] = (
+                self._generated(index) if index < generated else self._real(index - generated)
+            )
         return self._items[index]
 
     def _generated(self, index: int) -> SuiteItem:
         name = f"{self.name}/{self.split}/{index}"
-        rng = np.random.default_rng(np.random.SeedSequence(_hashed(f"antgym/{name}")))
-        size = int(rng.choice(np.arange(SIZES[0], SIZES[1] + 1, 2)))
-        ants, iterations = (_log_uniform(rng, *bounds) for bounds in (ANTS, ITERATIONS))
-        scenario = replace(FAMILIES[self._recipe.family](rng, size), name=name)
-        return SuiteItem(name, scenario, ants, iterations, self._recipe.rules)
+        root = np.random.SeedSequence(int(hashlib.sha256(f"antgym/{name}".encode()).hexdigest(), 16))
+        # the kind comes from a stream of its own, so that mountain-v0, which has but one, is what it was before kinds
+        strand, family, rules = self._recipe.pick(self.split, np.random.default_rng(root.spawn(1)[0]))
+        rng = np.random.default_rng(root)
+        size = int(rng.choice(strand.sizes))
+        effort = strand.effort(rng, size)
+        return SuiteItem(name, replace(draw(family, rng, size), name=name), *effort, rules, family)
 
     def _real(self, index: int) -> SuiteItem:
-        scenario = self._recipe.ood()[index]
-        return SuiteItem(scenario.name, scenario, OOD_ANTS, OOD_ITERATIONS, self._recipe.rules)
+        scenario, rules = self._windows[index], self._recipe.terrain
+        return SuiteItem(
+            scenario.name, scenario, OOD_ANTS, OOD_ITERATIONS, rules[index % len(rules)], "terrain"
+        )
 
 
 @lru_cache
@@ -129,11 +131,3 @@ def load_suite(name: str, split: str) -> Suite:
         MissingExtraError: on first use of ``ood``, if the package with the real maps is not installed.
     """
     return Suite(name, split)
-
-
-def _hashed(text: str) -> int:
-    return int(hashlib.sha256(text.encode()).hexdigest(), 16)
-
-
-def _log_uniform(rng: np.random.Generator, low: int, high: int) -> int:
-    return round(float(np.exp(rng.uniform(np.log(low), np.log(high)))))

@@ -18,6 +18,9 @@ from antgym.planners.parameters import check_parameters
 from antgym.planners.rules import TRAPS, Rules, find_rules
 
 _WORKSPACE = Workspace()
+_RECORD = np.dtype(
+    (np.record, RUN)
+)  # interpreted kernels read fields by name, and an array of its own type is slow
 _FIRST_CELLS = 64  # of a path; a range of runs that finds longer ones gets room for more
 MOST_EFFORT = 1_000_000  # ants, or iterations
 
@@ -81,7 +84,7 @@ class Batch:
         """Check everything once and pack it."""
         count = len(scenarios)
         each = _each_rules(rules, count)
-        runs = np.zeros(count, RUN).view(np.recarray)
+        runs = np.zeros(count, _RECORD)
         ground = _pack(scenarios, each, runs)
         motions = list(dict.fromkeys(s.motion for s in scenarios))
         _write_scenarios(runs, scenarios, motions)

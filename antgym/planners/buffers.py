@@ -53,6 +53,15 @@ def new_buffers(runs: Any) -> Buffers:
     return Buffers(moves, _new_nodes(rows, words), _new_trail(*sizes))
 
 
+def fitted(buffers: Buffers, runs: Any) -> Buffers:
+    """Return buffers that are done with, or larger ones, for (B,) records of RUN; what they held is forgotten."""
+    have = _capacities(buffers)
+    sizes = tuple(map(max, have, _sizes(runs)))
+    if sizes == have:
+        return buffers
+    return buffers._replace(nodes=_new_nodes(*sizes[:2]), trail=_new_trail(*sizes[2:]))
+
+
 def grown(buffers: Buffers) -> Buffers:
     """Return buffers with the same contents and twice as much of what the kernel says it wants."""
     return _with_more_rows(buffers) if buffers.trail.status[WANTS] == MORE_ROWS else _deepened(buffers)
@@ -89,14 +98,7 @@ class Workspace(threading.local):
 
     def reserve(self, runs: Any) -> Buffers:
         """Return this thread's buffers, grown to fit every one of (B,) records of RUN."""
-        old = self.buffers
-        if old is None:
-            self.buffers = new_buffers(runs)
-            return self.buffers
-        sizes = tuple(max(have, need) for have, need in zip(_capacities(old), _sizes(runs), strict=True))
-        if sizes != _capacities(old):  # both are empty: what the old trail says is forgotten
-            self.buffers = old._replace(nodes=_new_nodes(*sizes[:2]), trail=_new_trail(*sizes[2:]))
-        assert self.buffers is not None
+        self.buffers = new_buffers(runs) if self.buffers is None else fitted(self.buffers, runs)
         return self.buffers
 
 

@@ -1,4 +1,4 @@
-"""The colony: plans a scenario, or many at once, or one in blocks. Sole caller of the ant layout."""
+"""The colony: plans a scenario, or many at once, or some in blocks. Sole caller of the ant layout."""
 
 from collections.abc import Sequence
 from typing import Any, overload
@@ -8,16 +8,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import ParameterError
 from antgym.kernels import layout
-from antgym.kernels.ants import advance, begin
-from antgym.kernels.nodes import forget_weights
+from antgym.kernels.ants import begin
+from antgym.kernels.diagnosis import walk_block
 from antgym.maps.world import Scenario
 from antgym.planners.batch import Batch, Plan, cells_of, write_parameters
-from antgym.planners.buffers import grown, new_buffers
+from antgym.planners.buffers import Buffers, fitted, grown, new_buffers
+from antgym.planners.diagnosis import Diagnosis
 from antgym.planners.parameters import ColonyParameters, check_parameters
 from antgym.planners.rules import Rules, find_rules
 from antgym.planners.threads import run_ranges
 
-__all__ = ["Colony", "Plan", "Plans", "plan", "plan_many"]
+__all__ = ["Colony", "Diagnosis", "Plan", "Plans", "advance_together", "plan", "plan_many"]
 
 
 class Plans:
@@ -114,7 +115,12 @@ class Colony:
     """One run that can be paused: ``Colony(...)``, ``advance(parameters, iterations)``, ``result()``.
 
     Pheromone is the state; a change of α or β makes rows be weighed again when they are next visited, the same
-    parameters again touch nothing: any split into blocks gives the plan of one block, bit for bit.
+    parameters again touch nothing: any split into blocks gives the plan of one block, bit for bit. A colony is pickled
+    as what was asked of it, and walks it again.
+
+    Args:
+        scenario, rules, ants, iterations, seed: as for :func:`plan`.
+        buffers: what another colony released; without them, new ones are made.
     """
 
     def __init__(
@@ -125,37 +131,74 @@ class Colony:
         ants: int = 20,
         iterations: int = 100,
         seed: int = 0,
+        buffers: Buffers | None = None,
     ) -> None:
         default = ColonyParameters(1.0, 1.0, 0.5, 1.0)
-        self._batch = Batch.of([scenario], [default], rules, ants, iterations, [seed])
+        self._batch = batch = Batch.of([scenario], [default], rules, ants, iterations, [seed])
         self._scenario, self._rules = scenario, find_rules(rules)
-        run = self._batch.runs[0]
-        self._buffers = new_buffers(self._batch.runs)
-        begin(run, self._batch.tables, *self._buffers)
+        self._asked = {"rules": rules, "ants": ants, "iterations": iterations, "seed": seed}
+        self._blocks: list[tuple[ColonyParameters, int]] = []
+        self._iterations, self._done = iterations, 0
+        self._next, self._changed = default, False
+        self._kept: Buffers | None = (
+            new_buffers(batch.runs) if buffers is None else fitted(buffers, batch.runs)
+        )
+        self._report, self._first = np.full(layout.REPORT_SIZE, np.inf), np.inf
+        begin(batch.runs[0], batch.tables, *self._buffers)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _walked_again, (self._scenario, self._asked, self._blocks)
+
+    @property
+    def _buffers(self) -> Buffers:
+        if self._kept is None:
+            raise ParameterError("this colony has released its buffers; nothing more can be asked of it")
+        return self._kept
+
+    @property
+    def parameters(self) -> ColonyParameters:
+        """Those of the last block; ParameterError before any."""
+        if not self._blocks:
+            raise ParameterError("this colony has not walked yet; advance() it")
+        return self._blocks[-1][0]
+
+    @property
+    def best(self) -> float:
+        """Length of the shortest path so far, inf before any."""
+        return float(self._report[layout.SHORTEST])
+
+    @property
+    def moves(self) -> int:
+        """Moves that all ants have made so far."""
+        return int(self._buffers.trail.status[layout.MADE])
 
     @property
     def done(self) -> int:
         """Iterations walked so far."""
-        return int(self._buffers.trail.status[layout.DONE])
+        return self._done
 
     @property
     def left(self) -> int:
         """Iterations that can still be walked."""
-        return int(self._batch.runs[0].iterations) - self.done
+        return self._iterations - self._done
 
     def advance(self, parameters: ArrayLike, iterations: int) -> None:
         """Walk some more iterations under (α, β, ρ, Q); ParameterError if more are asked for than are left."""
-        if not 1 <= iterations <= self.left:
-            raise ParameterError(f"iterations = {iterations}: this colony has {self.left} left")
-        run = self._batch.runs[0]
-        before = (run.alpha, run.beta)
-        write_parameters(self._batch.runs, check_parameters(parameters), [self._rules])
-        if before != (run.alpha, run.beta) and self.done:
-            forget_weights(self._buffers.nodes, self._buffers.trail)
-        until = self.done + iterations
-        with np.errstate(over="ignore"):  # interpreted, random numbers and hashes wrap around
-            while self._walk(run, until) < until:
-                self._buffers = grown(self._buffers)
+        advance_together([self], check_parameters(parameters), [iterations])
+
+    def diagnosis(self) -> Diagnosis:
+        """Return how the run stands after its last block."""
+        if not self._blocks:
+            return Diagnosis()
+        best, gained, mean, stagnation, *rest = self._report.tolist()
+        done, stagnation = self._done / self._iterations, stagnation / self._iterations
+        return Diagnosis(done, best, self._first, gained, mean, stagnation, *rest)
+
+    def release(self) -> Buffers:
+        """Give the buffers away to another colony; nothing more can be asked of this one."""
+        buffers = self._buffers
+        self._kept = None
+        return buffers
 
     def result(self) -> Plan:
         """Return the plan as it stands; its history covers the iterations walked."""
@@ -164,7 +207,7 @@ class Colony:
         if np.isfinite(batch.lengths[0]):
             edges = trail.best_edge[: trail.status[layout.BEST_DEPTH]]
             batch.paths[0] = self._buffers.nodes.cell[edges // layout.WIDTH]
-        return batch.plan(0, self.done)
+        return batch.plan(0, self._done)
 
     def pheromone(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the (n, 3) cells where ants have left pheromone, and the most that each or any edge into it holds.
@@ -181,5 +224,70 @@ class Colony:
         cells = cells_of(self._scenario, nodes.cell[:count])
         return cells, strength / max(strength.max(initial=0.0), np.finfo(float).tiny)
 
-    def _walk(self, run: Any, until: int) -> int:
-        return int(advance(self._batch.ground, run, *self._buffers, self._batch.history, until))
+    def _set(self, values: NDArray[np.float64]) -> None:
+        """Write the parameters of the next block, (1, 4)."""
+        weighed_with = self._weights()
+        write_parameters(self._batch.runs, values, [self._rules])
+        self._changed = bool(self._blocks) and weighed_with != self._weights()
+        self._next = ColonyParameters(*values[0].tolist())
+
+    def _weights(self) -> tuple[float, float]:
+        return float(self._batch.runs["alpha"][0]), float(self._batch.runs["beta"][0])
+
+    def _walk(self, iterations: int) -> None:
+        span = _, until = self._done, self._done + iterations
+        batch, changed = self._batch, self._changed
+        with np.errstate(over="ignore"):  # interpreted, random numbers and hashes wrap around
+            while (
+                walk_block(
+                    batch.ground, batch.runs, *self._buffers, batch.history, *span, changed, self._report
+                )
+                < until
+            ):
+                self._kept, changed = grown(self._buffers), False
+        self._blocks.append((self._next, iterations))
+        self._done = until
+        if self._first == np.inf:
+            self._first = self.best
+
+
+def advance_together(colonies: Sequence[Colony], parameters: ArrayLike, iterations: Sequence[int]) -> None:
+    """Walk a block of several colonies on ANTGYM_THREADS threads; each as its own ``advance`` would.
+
+    Args:
+        colonies: n different ones.
+        parameters: (n, 4) natural values (α, β, ρ, Q).
+        iterations: n numbers, none larger than what its colony has left.
+
+    Raises:
+        ParameterError: if one of them cannot be walked; then none is.
+    """
+    values = check_parameters(parameters)
+    if not len({id(colony) for colony in colonies}) == len(values) == len(iterations):
+        raise ParameterError(
+            f"{len(values)} parameter sets and {len(iterations)} numbers of iterations for "
+            f"{len({id(colony) for colony in colonies})} different colonies"
+        )
+    for colony, count in zip(colonies, iterations, strict=True):
+        if not 1 <= count <= colony.left:
+            raise ParameterError(f"iterations = {count}: this colony has {colony.left} left")
+    for i, colony in enumerate(colonies):
+        colony._set(values[i : i + 1])
+
+    def walk(first: int, last: int) -> None:
+        with np.errstate(over="ignore"):  # interpreted, random numbers and hashes wrap around
+            for i in range(first, last):
+                colonies[i]._walk(iterations[i])
+
+    if len(colonies):
+        run_ranges(walk, len(colonies))
+
+
+def _walked_again(
+    scenario: Scenario, asked: dict[str, Any], blocks: list[tuple[ColonyParameters, int]]
+) -> Colony:
+    """Return the colony that a pickled one was."""
+    colony = Colony(scenario, **asked)
+    for parameters, iterations in blocks:
+        colony.advance(parameters, iterations)
+    return colony

@@ -32,6 +32,7 @@ class ColonyParameters(NamedTuple):
 
 LIMITS = {"alpha": (0.0, 1e3), "beta": (0.0, 1e3), "rho": (1e-9, 1.0), "Q": (1e-12, 1e15)}
 """What the kernels can take, far wider than what is sensible."""
+_LOWEST, _HIGHEST = np.array(list(LIMITS.values())).T
 
 
 class ColonyRanges(NamedTuple):
@@ -65,10 +66,11 @@ def check_parameters(values: ArrayLike) -> NDArray[np.float64]:
     array = np.atleast_2d(np.asarray(values, dtype=np.float64))
     if array.ndim != 2 or array.shape[1] != len(LIMITS):
         raise ParameterError(f"parameters are {tuple(LIMITS)} in this order, got shape {array.shape}")
-    for column, (name, (low, high)) in enumerate(LIMITS.items()):
-        bad = ~((array[:, column] >= low) & (array[:, column] <= high))
-        if bad.any():
-            value = array[bad, column][0]
-            reason = "not a number" if math.isnan(value) else f"outside [{low:g}, {high:g}]"
-            raise ParameterError(f"{name} = {value:g} is {reason}")
+    good = (array >= _LOWEST) & (array <= _HIGHEST)
+    if not good.all():
+        column, row = np.argwhere(~good.T)[0].tolist()
+        name, (low, high) = list(LIMITS.items())[column]
+        value = array[row, column]
+        reason = "not a number" if math.isnan(value) else f"outside [{low:g}, {high:g}]"
+        raise ParameterError(f"{name} = {value:g} is {reason}")
     return array

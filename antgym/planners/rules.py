@@ -136,6 +136,7 @@ PAPERS: dict[str, Rules] = {
     "zhang_apf-original": _textbook(
         0.8, 1.0, "zhang_apf (1)-(3): chosen by pheromone alone", beta=3.0, **_POTENTIAL_FIELD, w1=0.0
     ),
+    # all ants deposit, as (4), (5) read: what its global update rule rewards beside them is not given
     "zhang2011": _textbook(
         0.9,
         1.0,

@@ -75,10 +75,14 @@ class ParameterSpace:
         return np.stack([_knots(p) for p in self.parameters], axis=1)
 
     @cached_property
-    def _columns(self) -> dict[str, list[int]]:
+    def _scales(self) -> tuple[str, ...]:
+        return tuple(p.scale for p in self.parameters)
+
+    @cached_property
+    def _columns(self) -> dict[str, NDArray[np.intp]]:
         """The columns of each scale in use."""
-        scales = [p.scale for p in self.parameters]
-        return {scale: [i for i, s in enumerate(scales) if s == scale] for scale in dict.fromkeys(scales)}
+        scales = np.array(self._scales)
+        return {scale: np.flatnonzero(scales == scale) for scale in dict.fromkeys(self._scales)}
 
     @property
     def default(self) -> Floats:
@@ -102,18 +106,7 @@ class ParameterSpace:
 
     def decode(self, units: ArrayLike) -> Floats:
         """Map (k, d) settings in [0, 1] to natural values, (k, d) float64."""
-        array = self.check(units)
-        lower = array < 0.5
-        begin, end = np.where(lower, self._knots[:2, None], self._knots[1:, None])
-        scaled = begin + (2 * array - ~lower) * (end - begin)
-        natural = np.empty_like(scaled)
-        for scale, columns in self._columns.items():
-            natural[:, columns] = _SCALES[scale][1](scaled[:, columns])
-        # whatever exp(log(x)) rounds to, the three knots are exact and no value passes one
-        for unit, values in zip((0.0, 0.5, 1.0), self._values, strict=True):
-            natural = np.where(array == unit, values, natural)
-        begin, end = np.where(lower, self._values[:2, None], self._values[1:, None])
-        return np.minimum(np.maximum(natural, begin), end)
+        return _decoded(self.check(units), self._knots, self._values, self._columns)
 
     def encode(self, naturals: ArrayLike) -> Floats:
         """Map natural values (k, d) to [0, 1]; ParameterError naming a value outside its range."""
@@ -157,9 +150,38 @@ class ParameterSpace:
         return "\n".join(rows)
 
 
+def decode_together(spaces: Sequence[ParameterSpace], units: Floats) -> Floats:
+    """Return what each space makes of its own row of (k, d) checked settings, (k, d) natural values."""
+    first = spaces[0]
+    if all(space is first for space in spaces):
+        return _decoded(units, first._knots, first._values, first._columns)
+    if any(space._scales != first._scales for space in spaces):
+        return np.concatenate([space.decode(unit) for space, unit in zip(spaces, units, strict=True)])
+    knots = np.stack([space._knots for space in spaces], axis=1)
+    values = np.stack([space._values for space in spaces], axis=1)
+    return _decoded(units, knots, values, first._columns)
+
+
 def named_values(space: ParameterSpace, values: Sequence[float]) -> dict[str, float]:
     """Return {name: value} as plain floats."""
     return {name: float(value) for name, value in zip(space.names, values, strict=True)}
+
+
+def _decoded(array: Floats, knots: Floats, values: Floats, columns: dict[str, NDArray[np.intp]]) -> Floats:
+    """Map (k, d) settings to natural values between low, default and high, (3, d) or (3, k, d)."""
+    upper = array >= 0.5
+    share = 2 * array - upper  # of the way from one knot to the next
+    low, default, high = knots
+    begin, end = np.where(upper, default, low), np.where(upper, high, default)
+    scaled = begin + share * (end - begin)
+    natural = np.empty_like(scaled)
+    for scale, some in columns.items():
+        natural[:, some] = _SCALES[scale][1](scaled.take(some, axis=1))
+    # whatever exp(log(x)) rounds to, the three knots are exact and no value passes one
+    low, default, high = values
+    begin, end = np.where(upper, default, low), np.where(upper, high, default)
+    natural = np.minimum(np.maximum(natural, begin), end)
+    return np.where(share == 0, begin, np.where(share == 1, end, natural))
 
 
 def _knots(p: Parameter) -> Floats:

@@ -9,6 +9,8 @@ from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.problem import COST_CAP, Task
 from antgym.tuning.session import Trial, incumbent
 
+_LOG_CAP = np.log(COST_CAP)
+
 
 def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDArray[np.float32]:
     """Return the observation of a task after some trials, float32.
@@ -28,11 +30,11 @@ def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDA
     d = len(task.space)
     history = np.zeros((window, d + 2))
     for row, trial in zip(history, reversed(trials[-window:]), strict=False):
-        row[:] = (*trial.unit, _shown(trial.cost), 1.0)
+        row[:] = (*trial.unit, shown_cost(trial.cost), 1.0)
     best = np.zeros(d + 1)
     if trials:
         unit, cost = incumbent(trials)
-        best[:] = (*unit, _shown(cost))
+        best[:] = (*unit, shown_cost(cost))
     left = (task.budget - len(trials)) / task.budget
     return np.concatenate([task.features, [left], best, history.ravel()]).astype(np.float32)
 
@@ -53,5 +55,6 @@ def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDA
     return np.array(low, dtype=np.float32), np.array(high, dtype=np.float32)
 
 
-def _shown(cost: float) -> float:
-    return float(np.clip(np.log(cost) / np.log(COST_CAP), 0.0, 1.0))
+def shown_cost(cost: float) -> float:
+    """Return log(cost) / log(COST_CAP) within [0, 1], as costs are shown."""
+    return float(min(max(np.log(cost) / _LOG_CAP, 0.0), 1.0))

@@ -12,7 +12,7 @@ from antgym.maps.world import Scenario
 from antgym.planners.batch import MOST_EFFORT
 from antgym.planners.colony import Plans, plan_many
 from antgym.planners.rules import find_rules
-from antgym.planners.space import ParameterSpace
+from antgym.planners.space import ParameterSpace, decode_together
 from antgym.tuning.features import task_features
 from antgym.tuning.seeding import SEED_LIMIT, child_states
 
@@ -34,7 +34,7 @@ class Task:
 
     Attributes:
         space: the parameters to choose.
-        features: (len(FEATURES) + 2,) float32, the scenario's descriptors and the two of the effort, bounded.
+        features: (len(TASK_FEATURES),) float32, the scenario's descriptors, the effort and the rules, bounded.
         ants: ants per iteration.
         iterations: iterations per planner run.
         budget: trials the agent may pay for; 0 for a zero-shot recommendation.
@@ -72,8 +72,8 @@ class TuningProblem:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        motion = self.scenario.motion
-        if motion.layered and motion.check_segments and not find_rules(self.rules).check_segments:
+        motion, rules = self.scenario.motion, find_rules(self.rules)
+        if motion.layered and motion.check_segments and not rules.check_segments:
             loose = self.scenario.with_motion(replace(motion, check_segments=False))
             object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
         if not isinstance(self.seed, int) or not 0 <= self.seed < SEED_LIMIT:
@@ -97,12 +97,12 @@ class TuningProblem:
             raise BudgetError(
                 f"budget = {budget!r}: must be 0 (zero-shot) or the number of trials to pay for"
             )
-        features = task_features(self.scenario, self.ants, self.iterations)
+        features = task_features(self.scenario, self.ants, self.iterations, self.rules)
         return Task(self.space, features, self.ants, self.iterations, budget, self.scenario.chart)
 
     def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
         """Return planner seeds, a pure function of (seed, domain, index), by SeedSequence children."""
-        keys = np.stack([np.full(count, domain), np.arange(first, first + count)], axis=1)
+        keys = [(domain, index) for index in range(first, first + count)]
         return child_states([self.seed] * count, keys)[:, 0]
 
     def run(self, units: NDArray[np.float64], domain: int, first: int) -> Plans:
@@ -141,13 +141,14 @@ def run_together(requests: list[Request]) -> list[Plans]:
     problems = [p for (p, _, _, _), count in zip(requests, counts, strict=True) for _ in range(count)]
     if not problems:
         return []
+    keys = [(domain, first + i) for _, units, domain, first in requests for i in range(len(units))]
     plans = plan_many(
         [p.scenario for p in problems],
-        np.concatenate([p.space.decode(units) for p, units, _, _ in requests]),
+        decode_together([p.space for p in problems], np.concatenate([units for _, units, _, _ in requests])),
         rules=[p.rules for p in problems],
         ants=[p.ants for p in problems],
         iterations=[p.iterations for p in problems],
-        seeds=np.concatenate([p.seeds(domain, first, len(units)) for p, units, domain, first in requests]),
+        seeds=child_states([p.seed for p in problems], keys)[:, 0],
     )
     ends = np.cumsum(counts)
     return [plans[end - count : end] for count, end in zip(counts, ends, strict=True)]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _POOL = 4  # words of 32 bits
+_FEW = 16  # sequences that NumPy's own objects are quicker for: 6 µs each, against 100 µs for any number
 SEED_LIMIT = 1 << 32 * _POOL
 _INIT_A, _MULT_A, _INIT_B, _MULT_B = 0x43B0D7E5, 0x931E8875, 0x8B51F9DD, 0x58F38DED
 _MIX_LEFT, _MIX_RIGHT = np.uint32(0xCA01F9DD), np.uint32(0x4973F715)
@@ -39,12 +40,26 @@ def child_states(seeds: Sequence[int], keys: ArrayLike, count: int = 1) -> NDArr
         keys: (B, m) whole numbers in [0, 2^32), m ≥ 1.
         count: words of 64 bits.
     """
+    if not seeds:
+        return np.empty((0, count), np.uint64)
+    if len(seeds) < _FEW:
+        return _one_by_one(seeds, keys, count)
     pool = _pool(_entropy(seeds, np.atleast_2d(np.asarray(keys, dtype=np.uint32))))
     stream = _Hash(_INIT_B, _MULT_B)
     words = [stream(pool[i % _POOL]).astype(np.uint64) for i in range(2 * count)]
     return np.stack(
         [low | high << np.uint64(32) for low, high in zip(words[::2], words[1::2], strict=True)], axis=1
     )
+
+
+def _one_by_one(seeds: Sequence[int], keys: ArrayLike, count: int) -> NDArray[np.uint64]:
+    """Return the same from NumPy's own objects."""
+    rows = np.atleast_2d(np.asarray(keys, dtype=np.uint32)).tolist()
+    states = [
+        np.random.SeedSequence(seed, spawn_key=tuple(key)).generate_state(count, np.uint64)
+        for seed, key in zip(seeds, rows, strict=True)
+    ]
+    return np.array(states, dtype=np.uint64)
 
 
 def _entropy(seeds: Sequence[int], keys: Words) -> list[Words]:

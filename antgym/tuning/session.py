@@ -6,8 +6,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.errors import BudgetError, ParameterError, is_count
+from antgym.errors import BudgetError, LedgerError, ParameterError, is_count
+from antgym.planners.buffers import Buffers
 from antgym.planners.colony import Plans
+from antgym.planners.space import decode_together
+from antgym.tuning.open_trial import OpenTrial, walk_together
 from antgym.tuning.problem import TRIAL, Task, TuningProblem, run_together
 
 
@@ -16,7 +19,7 @@ class Trial(NamedTuple):
 
     Attributes:
         index: 0 for the first trial of the session.
-        unit: the setting, each value in [0, 1].
+        unit: the setting, each value in [0, 1]; of a steered run the settings of all its blocks, one after the other.
         cost: length / straight-line distance, COST_CAP where no path was found.
         work: moves that ants made.
     """
@@ -91,6 +94,7 @@ class Session:
     Attributes:
         trials: what was paid for so far.
         lengths: their path lengths in world units, inf where there was no path; the harness's, not the agent's.
+        opened: the trial that was opened last, under way or over; None where none was.
     """
 
     def __init__(self, problem: TuningProblem, budget: int, journal: Journal | None = None) -> None:
@@ -99,6 +103,7 @@ class Session:
         self.task: Task = problem.task(self._budget.total)
         self.trials: tuple[Trial, ...] = ()
         self.lengths: tuple[float, ...] = ()
+        self.opened: OpenTrial | None = None
         self._journal = journal
 
     @property
@@ -118,8 +123,56 @@ class Session:
         """
         return evaluate_together([(self, units)])[0]
 
+    def open(self, blocks: int, buffers: Buffers | None = None) -> OpenTrial:
+        """Pay for one run that is steered by :func:`steer_together`; it becomes a trial with its last block.
+
+        What a journal keeps of it is the sequence of its settings, and only once it is over: a run that is cut off is
+        begun anew, one that is resumed is walked again, and must then come to what was recorded.
+
+        Args:
+            blocks: in how many the run is walked; 1 ≤ blocks ≤ iterations.
+            buffers: released by a colony that is done with, see :meth:`antgym.planners.colony.Colony.release`.
+
+        Raises:
+            ParameterError: on a number of blocks that cannot be walked, or while a trial is under way.
+            BudgetError: when no trial is left.
+        """
+        self._require_nothing_under_way()
+        self._budget.check(1)
+        self.opened = OpenTrial(self.problem, len(self.trials), blocks, buffers)
+        self._budget.charge(1)
+        return self.opened
+
+    def _require_nothing_under_way(self) -> None:
+        if self.opened is not None and not self.opened.over:
+            raise ParameterError("a trial is under way; steer it to its end first")
+
+    def _under_way(self) -> OpenTrial:
+        if self.opened is None or self.opened.over:
+            raise ParameterError("no trial is under way; open() one")
+        return self.opened
+
+    def _close(self) -> None:
+        """Enter the opened trial among those paid for."""
+        assert self.opened is not None
+        trial, length = self.opened, self.opened.length
+        unit = tuple(value for setting in trial.units for value in setting)
+        cost = float(self.problem.cost(np.array([length]))[0])
+        record = Record(Trial(trial.index, unit, cost, trial.colony.moves), length, trial.seed)
+        if self._journal is not None:
+            kept = self._journal.replay(trial.index, unit, trial.seed)
+            if kept is None:
+                self._journal.append([record])
+            elif kept != record:
+                raise LedgerError(
+                    f"steered again, trial {trial.index} comes to {record}, not to {kept} as before"
+                )
+        self.trials += (record.trial,)
+        self.lengths += (record.length,)
+
     def _check(self, units: ArrayLike) -> NDArray[np.float64]:
         """Return a batch that can be paid for; charges nothing."""
+        self._require_nothing_under_way()
         batch = self.problem.space.check(units)
         self._budget.check(len(batch))
         return batch
@@ -161,8 +214,7 @@ def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tup
         BudgetError: when one of them has no trial left (nobody is charged).
     """
     checked = [(session, session._check(units)) for session, units in requests]
-    if len({id(session) for session, _ in checked}) < len(checked):
-        raise ParameterError("a session appears twice in one batch; hand over its settings as one request")
+    _require_different([session for session, _ in checked])
     claims = [(session, *session._claim(batch)) for session, batch in checked]
     todo = [
         (s.problem, units, TRIAL, len(s.trials) + len(replayed))
@@ -171,6 +223,43 @@ def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tup
     ]
     plans = iter(run_together(todo))
     return [s._settle(units, old, next(plans) if len(units) else None) for s, units, old in claims]
+
+
+def steer_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[OpenTrial]:
+    """Walk the next block of the trials that several sessions opened, in one planner call; they are paid already.
+
+    Args:
+        requests: sessions with a trial under way, and the setting of each for its next block, (d,) in [0, 1].
+
+    Returns:
+        The opened trials; those that are over now are among ``session.trials``.
+
+    Raises:
+        ParameterError: on a setting that cannot be used, a session without a trial under way, or one that appears
+            twice (nothing is walked).
+    """
+    asked = list(requests)
+    sessions = [session for session, _ in asked]
+    trials = [session._under_way() for session in sessions]
+    _require_different(sessions)
+    if not asked:
+        return []
+    spaces = [session.problem.space for session in sessions]
+    settings = np.concatenate([session.problem.space.check(unit) for session, unit in asked])
+    if len(settings) != len(trials):
+        raise ParameterError(
+            f"{len(settings)} settings for {len(trials)} trials; each takes one for its next block"
+        )
+    walk_together(trials, settings, decode_together(spaces, settings))
+    for session, trial in zip(sessions, trials, strict=True):
+        if trial.over:
+            session._close()
+    return trials
+
+
+def _require_different(sessions: Sequence[Session]) -> None:
+    if len({id(session) for session in sessions}) < len(sessions):
+        raise ParameterError("a session appears twice in one batch; hand over its settings as one request")
 
 
 def incumbent(trials: Sequence[Trial]) -> tuple[tuple[float, ...], float]:

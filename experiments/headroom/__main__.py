@@ -11,11 +11,9 @@ from rich.console import Console
 from rich.table import Table
 
 from antgym.console import main, parse, progress, write_whole
-from antgym.envs.catalogue import CATALOGUE
+from antgym.envs.catalogue import REGIMES, WORLDS
 from antgym.errors import ParameterError, nearest
 from experiments.headroom.card import PRESETS, measure, runs_needed
-
-REGIMES = ("OneShot", "Trials", "Control")
 
 
 @dataclass(frozen=True)
@@ -32,11 +30,6 @@ class Arguments:
     """How much: smoke takes seconds and says nothing."""
     out: Path = Path("antgym/envs/cards")
     """Folder of the cards, one WORLD.json each."""
-
-
-def worlds() -> dict[str, str]:
-    """Return the suite of every world in the catalogue."""
-    return {_world(entry.id): str(entry.kwargs["suite"]) for entry in CATALOGUE}
 
 
 def _world(name: str) -> str:
@@ -63,7 +56,7 @@ def to_table(cards: list[dict[str, Any]]) -> Table:
 
 def run(arguments: Arguments) -> list[dict[str, Any]]:
     """Measure the worlds that are asked for; each card is written when it is whole."""
-    known, cards = worlds(), []
+    known, cards = WORLDS, []
     for name in arguments.worlds:
         if _world(name) not in known:
             raise ParameterError(f"unknown world {name!r}; {nearest(_world(name), tuple(known))}")

@@ -44,14 +44,14 @@ PRESETS = {
         6, 4, 8, 4, (Stage(0, 1), Stage(3, 1, 2, 0.1)), (Stage(0, 1), Stage(3, 1, 2, 0.1)), (16, 2), 2
     ),
     "full": Preset(
-        train=200,
+        train=100,
         test=100,
-        settings=128,
-        scored=32,
-        race=(Stage(0, 1), Stage(24, 1, 8, 0.08), Stage(12, 3), Stage(8, 2, 6, 0.04), Stage(4, 8)),
-        oracle=(Stage(0, 2), Stage(24, 4, 16, 0.08), Stage(12, 8), Stage(8, 8, 8, 0.04), Stage(6, 24)),
-        design=(128, 2),
-        schedule_maps=60,
+        settings=64,
+        scored=24,
+        race=(Stage(0, 1), Stage(16, 1, 8, 0.08), Stage(8, 3), Stage(6, 2, 4, 0.04), Stage(4, 6)),
+        oracle=(Stage(0, 2), Stage(16, 3, 8, 0.08), Stage(8, 6, 6, 0.04), Stage(4, 16)),
+        design=(64, 2),
+        schedule_maps=40,
     ),
 }
 

@@ -10,21 +10,28 @@ from gymnasium.envs.registration import EnvSpec, load_env_creator
 from gymnasium.utils.env_checker import check_env
 
 from antgym.envs.catalogue import CATALOGUE
+from antgym.envs.manual import ranges_table
 from antgym.errors import ParameterError
-from antgym.maps.features import feature_table
+from antgym.maps.features import FEATURES, feature_table
 from antgym.maps.occupancy import occupancy, picture_shape
-from antgym.maps.suites import load_suite
+from antgym.maps.suites import SUITES, load_suite
+from antgym.maps.world import Scenario
 from antgym.planners.rules import PAPERS
-from antgym.tuning.features import TASK_FEATURES
+from antgym.tuning import COST_CAP
+from antgym.tuning.features import EFFORT_FEATURES, RULES_SHOWN
 
-EFFORT = [3, 5]
 ZERO = np.zeros(4, np.float32)
 pytestmark = pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
 with_and_without_map = pytest.mark.parametrize("observation", ["features", "map", "map2d"])
 
 
+def small(entry):
+    """An effort that is quick to plan with and that the regime takes."""
+    return [3, max(5, load_env_creator(entry.entry_point).least_iterations)]
+
+
 def make(entry, **kwargs):
-    return gymnasium.make(entry.id, **{"effort": EFFORT, **kwargs})
+    return gymnasium.make(entry.id, **{"effort": small(entry), **kwargs})
 
 
 def frozen(observation):
@@ -48,6 +55,11 @@ def rollout(env, episodes=2, seed=None, actions=0):
     return seen
 
 
+def moderate(env):
+    """Natural values within the ranges of every rule."""
+    return {"alpha": 0.1, "beta": 0.6, "rho": 0.9, "Q": env.unwrapped.session.problem.scenario.straight_line}
+
+
 def finish(env):
     env.reset(seed=0)
     while not env.step(ZERO)[2]:
@@ -56,7 +68,7 @@ def finish(env):
 
 @with_and_without_map
 def test_gymnasium_finds_nothing_to_warn_of(entry, observation):
-    env = gymnasium.make(entry.id, observation=observation)
+    env = make(entry, observation=observation)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(env.unwrapped)
@@ -150,7 +162,7 @@ def test_the_map_is_that_of_the_scenario(entry):
     for picked in (3, 4):
         seen, _ = env.reset(seed=0, options={"scenario": picked})
         scenario = load_suite(entry.kwargs["suite"], "test")[picked].scenario
-        assert (seen["map"] == occupancy(scenario)).all()
+        assert (seen["map"] == occupancy(scenario, env.unwrapped._suite.flat)).all()
 
 
 @pytest.mark.parametrize("kind", ["map2d", "map3d"])
@@ -161,9 +173,9 @@ def test_a_map_has_the_shape_asked_for(entry, kind):
     assert spaces["features"] == make(entry).observation_space
 
 
-def test_a_map_has_one_shape_in_all_splits_that_of_the_suites_first_training_scenario(entry):
-    flat = load_suite(entry.kwargs["suite"], "train")[0].scenario.world.shape[2] == 1
-    for split in ("train", "validation", "test"):
+def test_a_map_has_one_shape_in_all_splits_flat_where_the_suite_is(entry):
+    flat = load_suite(entry.kwargs["suite"], "train").flat
+    for split in ("train", "validation", "test", "ood"):
         space = make(entry, observation="map", split=split).observation_space
         assert space["map"].shape == picture_shape(flat)
 
@@ -192,9 +204,21 @@ def test_info_tells_what_was_run(entry):
     _, begun = env.reset(seed=0)
     info = env.step(ZERO)[4]
     assert info.items() >= begun.items()
-    assert (begun["ants"], begun["iterations"]) == tuple(EFFORT)
+    assert (begun["ants"], begun["iterations"]) == tuple(small(entry))
+    assert begun["rules"] in SUITES[entry.kwargs["suite"]].rules
     assert info["length"] >= info["optimum"] > 0
     assert info["gap"] == pytest.approx(min(info["length"] / info["optimum"] - 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("reward", "low", "high"), [("gap", -1, 0), ("improvement", -1, 1), ("length", -1e5, 0)]
+)
+def test_the_return_lies_in_its_documented_range(entry, reward, low, high):
+    env = make(entry, reward=reward)
+    for seed in range(4):
+        rewards = [step[1] for step in rollout(env, episodes=1, seed=seed, actions=seed)[1:]]
+        assert all(type(value) is float for value in rewards)
+        assert low - 1e-9 <= sum(rewards) <= high + 1e-9
 
 
 def test_an_episode_ends_by_termination_alone(entry):
@@ -202,26 +226,30 @@ def test_an_episode_ends_by_termination_alone(entry):
     assert ends == [(False, False)] * (len(ends) - 1) + [(True, False)]
 
 
+def before_and_after_a_path(entry, mode):
+    """Two pictures of the first episode in which an ant arrives: as it begins, and after a step."""
+    env = make(entry, render_mode=mode)
+    for seed in range(20):
+        env.reset(seed=seed)
+        before = env.render()
+        info = env.step(env.unwrapped.encode(**moderate(env)))[4]
+        if info["cost"] < COST_CAP if "cost" in info else info["solved"]:
+            return before, env.render()
+    return pytest.fail("no ant arrived in twenty episodes")
+
+
 def test_ansi_shows_ends_and_path(entry):
-    env = make(entry, render_mode="ansi")
-    env.reset(seed=0)
-    before = env.render()
-    env.step(env.unwrapped.encode(alpha=0.1, beta=0.5, rho=0.9, Q=100))
-    after = env.render()
-    for picture in (before, after):
-        assert isinstance(picture, str)
-        assert "S" in picture
-        assert "G" in picture
-    assert ("o" in after.split("\n", 2)[2]) == ("optimum" in after)
-    assert before != after
+    before, after = before_and_after_a_path(entry, "ansi")
+    for picture, lines in ((before, 1), (after, 3)):
+        drawn = picture.split("\n", lines)[lines]
+        assert "S" in drawn
+        assert "G" in drawn
+        assert ("o" in drawn) == (picture is after)
+    assert "optimum" in after
 
 
 def test_rgb_array_is_a_picture_of_bytes(entry):
-    env = make(entry, render_mode="rgb_array")
-    env.reset(seed=0)
-    before = env.render()
-    env.step(env.unwrapped.encode(alpha=0.1, beta=0.5, rho=0.9, Q=100))
-    after = env.render()
+    before, after = before_and_after_a_path(entry, "rgb_array")
     for picture in (before, after):
         assert (picture.dtype, picture.ndim, picture.shape[2]) == (np.uint8, 3, 3)
     assert before.shape == after.shape
@@ -304,18 +332,21 @@ def test_a_step_after_the_end_is_refused(entry):
 
 
 def test_natural_values_come_back_in_info(entry):
-    values = {"alpha": 1.0, "beta": 5.0, "rho": 0.9, "Q": 100.0}
     env = make(entry)
-    env.reset(seed=0)
-    info = env.step(env.unwrapped.encode(**values))[4]
-    assert info["parameters"] == pytest.approx(values, rel=1e-5)
+    for seed in range(5):
+        env.reset(seed=seed)
+        values = moderate(env)
+        info = env.step(env.unwrapped.encode(**values))[4]
+        assert info["parameters"] == pytest.approx(values, rel=1e-5)
 
 
-def test_action_zero_is_the_published_default(entry):
+def test_action_zero_is_the_published_default_of_the_scenarios_rules(entry):
     env = make(entry)
-    env.reset(seed=0)
-    env.step(ZERO)
-    assert env.unwrapped.session.trials[0].unit == (0.5,) * 4
+    for seed in range(5):
+        env.reset(seed=seed)
+        info, problem = env.step(ZERO)[4], env.unwrapped.session.problem
+        default = PAPERS[info["rules"]].ranges.space(problem.scenario.straight_line).default
+        assert list(info["parameters"].values()) == default.tolist()
 
 
 def test_natural_values_outside_their_range_are_named(entry):
@@ -328,13 +359,13 @@ def test_natural_values_outside_their_range_are_named(entry):
 def test_a_scenario_can_be_picked(entry):
     env = make(entry, split="test")
     _, info = env.reset(seed=0, options={"scenario": np.int64(17)})
-    assert info["scenario"] == load_suite("mountain-v0", "test")[17].name
+    assert info["scenario"] == load_suite(entry.kwargs["suite"], "test")[17].name
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"scenario": 50}, "scenario 50: this split holds 0 to 49"),
+        ({"scenario": 100}, "scenario 100: this split holds 0 to "),
         ({"scenario": -1}, "scenario -1"),
         ({"scenario": 1.5}, "scenario 1.5"),
         ({"scenario": "1"}, "scenario '1'"),
@@ -350,16 +381,43 @@ def test_a_bad_reset_option_is_named_and_skips_no_episode(entry, options, messag
     assert rollout(env, 1) == rollout(other, 1)
 
 
-def test_each_scenario_comes_with_its_own_effort(entry):
+def test_each_scenario_comes_with_its_own_effort_and_rules(entry):
     _, info = gymnasium.make(entry.id).reset(seed=0, options={"scenario": 5})
-    item = load_suite("mountain-v0", "train")[5]
-    assert (info["ants"], info["iterations"]) == (item.ants, item.iterations)
+    item = load_suite(entry.kwargs["suite"], "train")[5]
+    least = load_env_creator(entry.entry_point).least_iterations
+    assert (info["ants"], info["iterations"]) == (item.ants, max(item.iterations, least))
+    assert info["rules"] == item.rules
+
+
+def test_the_features_say_which_rules_the_colony_goes_by(entry):
+    env, first = make(entry), len(FEATURES) + len(EFFORT_FEATURES)
+    for seed in range(5):
+        seen, info = env.reset(seed=seed)
+        shown = seen[first : first + len(RULES_SHOWN)]
+        assert shown.sum() == 1
+        assert RULES_SHOWN[shown.argmax()] == info["rules"]
+
+
+def test_nothing_that_an_agent_sees_depends_on_the_optimum(entry, monkeypatch):
+    env = make(entry, observation="map")
+
+    def seen():
+        observations, trials = [], []
+        for step in rollout(env, episodes=4, seed=6):
+            observations.append(step[0])
+            trials.append(repr(env.unwrapped.session.trials))
+        return observations, trials, repr(env.unwrapped.session.task.space)
+
+    honest = seen()
+    monkeypatch.setattr(Scenario, "optimum", property(lambda scenario: 0.3 * scenario.straight_line))
+    assert seen() == honest
 
 
 def test_the_docstring_holds_the_tables_of_what_the_environment_reads(entry):
-    doc = load_env_creator(entry.entry_point).__doc__
-    assert PAPERS["liu2020"].ranges.space(1.0).to_markdown() in doc
-    assert feature_table(TASK_FEATURES) in doc
+    regime = load_env_creator(entry.entry_point)
+    doc = regime.__doc__
+    assert ranges_table() in doc
+    assert feature_table(regime.features) in doc
     assert "{" not in doc.replace('{"scenario": i}', "")
 
 

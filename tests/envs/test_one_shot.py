@@ -5,11 +5,9 @@ import numpy as np
 import pytest
 
 import antgym  # noqa: F401 - registers the environments
-from antgym.envs import base
-from antgym.envs.one_shot import OneShotEnv
+from antgym.envs.catalogue import WORLDS
 from antgym.errors import ParameterError
-from antgym.maps.suites import SuiteItem
-from antgym.maps.world import GridWorld, Scenario
+from antgym.maps.suites import load_suite
 from antgym.tuning.problem import COST_CAP, FRESH
 
 MODERATE = {"alpha": 1.0, "beta": 0.3, "rho": 0.9, "Q": 100.0}
@@ -64,14 +62,16 @@ def test_every_planner_run_is_counted():
         assert env.planner_runs == 3 * each
 
 
-def test_the_map_of_a_flat_suite_is_flat(monkeypatch):
-    world = GridWorld(np.ones((9, 40)))
-    item = SuiteItem("plain", Scenario(world, (0, 20), (8, 20)), 3, 5, "liu2020")
-    monkeypatch.setattr(base, "load_suite", lambda *_: (item,))
-    for kind, shape in (("map", (3, 32, 32)), ("map3d", (3, 16, 16, 16))):
-        env = OneShotEnv("plain-v0", observation=kind)
-        assert env.reset(seed=0)[0]["map"].shape == shape
-        assert env.step(np.zeros(4, np.float32))[0] in env.observation_space
+@pytest.mark.parametrize("world", WORLDS)
+def test_the_map_is_flat_where_all_worlds_of_a_suite_are(world):
+    worlds = {"Room", "Pallet"}
+    env = gymnasium.make(f"antgym/{world}OneShot-v0", effort=[3, 5], observation="map").unwrapped
+    shape = (3, 32, 32) if world in worlds else (3, 16, 16, 16)
+    assert env.observation_space["map"].shape == shape
+    assert env.reset(seed=0)[0]["map"].shape == shape
+    assert all(item.scenario.world.shape[2] == 1 for item in load_suite(WORLDS[world], "test")[:12]) == (
+        world in worlds
+    )
 
 
 @pytest.mark.parametrize("name", ["budget", "window"])

@@ -98,6 +98,17 @@ def test_ppo_learns_from_maps(kind):
     assert any((value != before[name]).any() for name, value in model.policy.state_dict().items())
 
 
+def test_ppo_steers_runs():
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.vec_env import VecMonitor
+
+    envs = make_sb3_vec("antgym/MountainControl-v0", 4, seed=0, effort=[3, 40])
+    model = PPO("MlpPolicy", VecMonitor(envs), n_steps=20, batch_size=40, n_epochs=1, device="cpu", seed=0)
+    model.learn(320)
+    assert envs.native.planner_runs == 32  # ten steps each
+    assert [info["l"] for info in model.ep_info_buffer] == [10] * 32
+
+
 @pytest.mark.slow
 def test_ppo_learns_on_it():
     from stable_baselines3 import PPO

@@ -93,6 +93,17 @@ def test_the_observation_is_that_of_the_sessions_trials():
         assert seen.tolist() == observe(env.session.task, env.session.trials, window=3).tolist()
 
 
+def test_proposing_a_setting_again_measures_it_again():
+    """The way to re-evaluate: other ants walk, and the incumbent's cost is the mean of all measurements."""
+    env = make(budget=8)
+    env.reset(seed=3)
+    action = env.encode(alpha=1.0, beta=0.3, rho=0.9, Q=100.0)
+    costs = [env.step(action)[4]["cost"] for _ in range(8)]
+    assert len({trial.unit for trial in env.session.trials}) == 1
+    assert len(set(costs)) > 1
+    assert incumbent(env.session.trials)[1] == pytest.approx(np.mean(costs))
+
+
 @pytest.mark.parametrize("name", ["budget", "window"])
 @pytest.mark.parametrize("value", [0, -1, 2.5, float("nan"), "3", None])
 def test_an_episode_without_trials_is_refused(name, value):

@@ -9,20 +9,23 @@ import pytest
 from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.vector import AutoresetMode
 
+import antgym
 from antgym.envs.catalogue import CATALOGUE
 from antgym.envs.vector import NativeVectorEnv, env_seeds
 from antgym.errors import ParameterError
+from antgym.planners import colony as colonies
 from antgym.tuning import problem as problems
 
 IDS = [entry.id for entry in CATALOGUE]
-ONE_SHOT, TRIALS = IDS
+ONE_SHOT, TRIALS, CONTROL = (f"antgym/Mountain{regime}-v0" for regime in ("OneShot", "Trials", "Control"))
 MODES = list(AutoresetMode)
 with_and_without_map = pytest.mark.parametrize("observation", ["features", "map"])
 N, ROOT = 3, 5
 
 
 def settings(env_id):
-    return {"effort": [3, 5], **({"budget": 3, "window": 2} if env_id == TRIALS else {})}
+    few = {"budget": 3, "window": 2} if "Trials" in env_id else {}
+    return {"effort": [3, 40 if "Control" in env_id else 5], **few}
 
 
 def native(env_id, count=N, **kwargs):
@@ -53,7 +56,7 @@ def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode, observ
     alone = singles(env_id, mode, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng = np.random.default_rng(0)
-    for _ in range(9):
+    for _ in range(12):
         actions = rng.uniform(-1, 1, (N, 4)).astype(np.float32)
         assert_same(batch.step(actions), alone.step(actions))
     assert_same(batch.reset(), alone.reset())
@@ -66,7 +69,7 @@ def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id, obser
     alone = singles(env_id, AutoresetMode.DISABLED, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng, over = np.random.default_rng(0), np.zeros(N, bool)
-    for _ in range(9):
+    for _ in range(12):
         if over.any():
             options = {"reset_mask": over}
             assert_same(batch.reset(options=options), alone.reset(options=options))
@@ -76,16 +79,17 @@ def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id, obser
         over = results[0][2]
 
 
+@pytest.mark.parametrize("env_id", [TRIALS, CONTROL])
 @pytest.mark.parametrize("mode", MODES)
 @with_and_without_map
-def test_slots_out_of_step_end_each_on_its_own(mode, observation):
-    batch = native(TRIALS, autoreset_mode=mode, observation=observation)
-    alone = singles(TRIALS, mode, observation=observation)
+def test_slots_out_of_step_end_each_on_its_own(env_id, mode, observation):
+    batch = native(env_id, autoreset_mode=mode, observation=observation)
+    alone = singles(env_id, mode, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     actions, over = np.zeros((N, 4), np.float32), np.array([False, True, False])
     assert_same(batch.step(actions), alone.step(actions))
     ends = []
-    for _ in range(8):
+    for _ in range(22 if env_id == CONTROL else 8):
         if over.any() and (mode is AutoresetMode.DISABLED or not ends):
             assert_same(batch.reset(options={"reset_mask": over}), alone.reset(options={"reset_mask": over}))
         results = batch.step(actions), alone.step(actions)
@@ -144,6 +148,17 @@ def test_a_batch_makes_one_planner_call_a_step(monkeypatch):
         assert batch.planner_runs == sum(expected)
 
 
+def test_a_batch_of_control_walks_all_blocks_of_a_step_in_one_call(monkeypatch):
+    calls, run_ranges = [], colonies.run_ranges
+    monkeypatch.setattr(colonies, "run_ranges", lambda *call: (calls.append(call[1]), run_ranges(*call)))
+    batch = native(CONTROL, 8)
+    batch.reset(seed=0)
+    for _ in range(3):
+        batch.step(np.zeros((8, 4), np.float32))
+    assert calls == [8] * 3
+    assert batch.planner_runs == 8
+
+
 @pytest.mark.parametrize("env_id", IDS)
 def test_threads_change_nothing(env_id, monkeypatch):
     seen = []
@@ -157,7 +172,12 @@ def test_threads_change_nothing(env_id, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("env_id", "mode"), [(ONE_SHOT, AutoresetMode.SAME_STEP), (TRIALS, AutoresetMode.NEXT_STEP)]
+    ("env_id", "mode"),
+    [
+        (ONE_SHOT, AutoresetMode.SAME_STEP),
+        (TRIALS, AutoresetMode.NEXT_STEP),
+        (CONTROL, AutoresetMode.NEXT_STEP),
+    ],
 )
 def test_make_vec_picks_the_native_batch_and_warns_of_nothing(env_id, mode):
     with warnings.catch_warnings():
@@ -232,6 +252,10 @@ def test_numpy_seeds_are_seeds():
     expected = batch.reset(seed=5)
     assert_same(batch.reset(seed=np.int64(5)), expected)
     assert_same(batch.reset(seed=np.array(env_seeds(5, N))), expected)
+
+
+def test_slot_seeds_are_known_by_the_packages_own_name():
+    assert antgym.env_seeds is env_seeds
 
 
 def test_slot_seeds_are_unrelated_and_do_not_depend_on_how_many_there_are():

@@ -1,39 +1,74 @@
 """Suites: pure functions of their names, disjoint, and unchanged since they were published."""
 
+import hashlib
 import importlib.util
+from itertools import chain, combinations
 
 import pytest
 
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.maps import suites
-from antgym.maps.suites import SPLITS, SUITES, Suite, load_suite
+from antgym.maps.recipes import SUITES
+from antgym.maps.suites import SPLITS, Suite, load_suite
 
 needs_matplotlib = pytest.mark.skipif(
     importlib.util.find_spec("matplotlib") is None, reason="matplotlib is absent"
 )
 DIGESTS = {
-    "train": "8d65ff2bce1256a4",
-    "validation": "b2fffbedcc5e4123",
-    "test": "535c7146fef40893",
-    "ood": "e7be8c3868023b22",
+    "mountain-v0": ("8d65ff2bce1256a4", "b2fffbedcc5e4123", "535c7146fef40893", "e7be8c3868023b22"),
+    "potential-field-v0": ("a1d8918db1e3dae8", "b7e7a182abc23a99", "31d1023a482decf1", "c5ee561c33862c8c"),
+    "room-v0": ("1b4be16eb54b0654", "fb7b6baa4ffff767", "a06b691a744881dc", "ad6dbb48a748a4c8"),
+    "pallet-v0": ("ccef443a4d25029c", "8fabfb96a6088e52", "341c4c95502a8c56", "c8c856972f7e21d9"),
+    "open-v0": ("d24ef892699f64e5", "6b245e08dce1951d", "c13f841fe1bf78d4", "44477eb312da7ec5"),
 }
+COUNTS = {
+    "mountain-v0": (200, 50, 100, 64),
+    "potential-field-v0": (200, 50, 100, 64),
+    "room-v0": (200, 50, 100, 64),
+    "pallet-v0": (200, 50, 100, 64),
+    "open-v0": (400, 100, 200, 80),
+}
+every_suite = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "open-v0" else name for name in SUITES]
+)
 
 
-@pytest.mark.parametrize("split", [*SPLITS[:3], pytest.param("ood", marks=needs_matplotlib)])
-def test_a_published_suite_never_changes(split):
+def world_digest(item):
+    """Of the cells alone: another start in the same world would be a leak too."""
+    free = item.scenario.world.free
+    return hashlib.sha256(repr(free.shape).encode() + free.tobytes()).hexdigest()
+
+
+@needs_matplotlib
+@every_suite
+def test_a_published_suite_never_changes(name):
     """Whoever means to change a world makes a new version of its suite; results name the old one."""
-    assert load_suite("mountain-v0", split).digest[:16] == DIGESTS[split]
+    assert tuple(load_suite(name, split).digest[:16] for split in SPLITS) == DIGESTS[name]
 
 
-def test_splits_have_the_promised_sizes_and_share_no_scenario():
-    splits = [load_suite("mountain-v0", split) for split in SPLITS[:3]]
-    assert [len(split) for split in splits] == [200, 50, 100]
-    assert len({item.scenario.digest for split in splits for item in split}) == 350
-    assert len({item.name for split in splits for item in split}) == 350
+@needs_matplotlib
+@every_suite
+def test_no_world_occurs_in_two_splits(name):
+    worlds = [{world_digest(item) for item in load_suite(name, split)} for split in SPLITS]
+    assert all(not one & other for one, other in combinations(worlds, 2))
 
 
-def test_items_depend_neither_on_the_order_of_access_nor_on_the_object():
-    forwards, backwards = Suite("mountain-v0", "test"), Suite("mountain-v0", "test")
+@every_suite
+def test_no_scenario_occurs_twice(name):
+    items = list(chain.from_iterable(load_suite(name, split) for split in SPLITS[:3]))
+    assert len({item.scenario.digest for item in items}) == len(items)
+    assert len({item.name for item in items}) == len(items)
+
+
+@needs_matplotlib
+@pytest.mark.parametrize("name", SUITES)
+def test_splits_have_the_promised_sizes(name):
+    assert tuple(len(load_suite(name, split)) for split in SPLITS) == COUNTS[name]
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_items_depend_neither_on_the_order_of_access_nor_on_the_object(name):
+    forwards, backwards = Suite(name, "test"), Suite(name, "test")
     late = [backwards[i] for i in (5, 2, 0)]
     early = [forwards[i] for i in (0, 2, 5)]
     for one, other in zip(early, reversed(late), strict=True):
@@ -44,10 +79,16 @@ def test_items_depend_neither_on_the_order_of_access_nor_on_the_object():
 def test_items_keep_to_the_announced_sizes_and_efforts():
     items = load_suite("mountain-v0", "train")
     assert {item.scenario.world.shape[0] for item in items} == {15, 17, 19, 21, 23, 25, 27}
-    assert {item.rules for item in items} == {"liu2020"}
+    assert {(item.rules, item.family) for item in items} == {("liu2020", "mountains")}
     for values, low, high in (([i.ants for i in items], 5, 40), ([i.iterations for i in items], 10, 100)):
         assert low <= min(values) <= 1.2 * low
         assert high / 1.2 <= max(values) <= high
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_a_suite_is_flat_where_all_its_worlds_are(name):
+    items = load_suite(name, "validation")[:20]
+    assert load_suite(name, "train").flat == all(item.scenario.world.shape[2] == 1 for item in items)
 
 
 def test_a_suite_is_a_sequence_of_items_made_once():
@@ -72,20 +113,25 @@ def test_unknown_names_are_answered_with_the_nearest():
 @needs_matplotlib
 def test_the_first_real_items_are_different_windows():
     suite = load_suite("mountain-v0", "ood")
-    assert len(suite) == 64
     assert len({item.name.rsplit("-", 1)[0] for item in suite[:16]}) == 16
     assert {(item.ants, item.iterations, item.rules) for item in suite} == {(20, 50, "liu2020")}
+    assert {item.family for item in suite} == {"terrain"}
     assert suite[17].name == "jacksboro-r0c1-90"
+
+
+@needs_matplotlib
+@pytest.mark.parametrize("name", ["potential-field-v0", "open-v0"])
+def test_real_terrain_ends_the_split_ood(name):
+    suite = load_suite(name, "ood")
+    assert [item.family == "terrain" for item in suite[-17:]] == [False] + [True] * 16
+    assert {item.rules for item in suite[-16:]} == set(SUITES[name].terrain)
+    assert suite[-16].name == "jacksboro-r0c0-0"
 
 
 def test_only_the_real_maps_need_matplotlib(monkeypatch):
     suites._real_terrain.cache_clear()
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     assert Suite("mountain-v0", "train")[0].ants > 0
+    assert len(Suite("room-v0", "ood")) == 64
     with pytest.raises(MissingExtraError, match="matplotlib"):
         len(Suite("mountain-v0", "ood"))
-
-
-@pytest.mark.parametrize("name", SUITES)
-def test_recipes_name_known_families(name):
-    assert SUITES[name].family in suites.FAMILIES

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -18,7 +19,7 @@ from antgym.errors import MapError, ParameterError, ScenarioError
 from antgym.maps.motion import CORNERS, Motion
 from antgym.maps.optimum import shortest_path
 from antgym.maps.world import GridWorld, Scenario
-from antgym.planners.colony import Colony, plan, plan_many
+from antgym.planners.colony import Colony, advance_together, plan, plan_many
 from antgym.planners.rules import PAPERS, TARGETS, TRAPS, Rules
 
 RULES = [
@@ -297,6 +298,87 @@ def test_a_colony_may_not_walk_more_than_it_was_given(valley):
         colony.advance((1, 1, 0.5, 10), 1)
 
 
+def test_colonies_advanced_together_walk_as_each_alone(monkeypatch):
+    scenarios = [random_scenario(seed, size=5 + seed % 3, blocked=0.2) for seed in range(7)]
+    values = np.random.default_rng(0).uniform([0.1, 0.1, 0.1, 1], [3, 5, 0.95, 100], (3, 7, 4))
+
+    def colonies():
+        return [Colony(s, ants=5, iterations=12, seed=i) for i, s in enumerate(scenarios)]
+
+    alone = colonies()
+    for block in values:
+        for colony, parameters in zip(alone, block, strict=True):
+            colony.advance(parameters, 4)
+    for threads in "12":
+        monkeypatch.setenv("ANTGYM_THREADS", threads)
+        together = colonies()
+        for block in values:
+            advance_together(together, block, [4] * 7)
+        assert [c.diagnosis() for c in together] == [c.diagnosis() for c in alone]
+        assert [c.result().path.tolist() for c in together] == [c.result().path.tolist() for c in alone]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"iterations": [1, 6]}, "this colony has 5 left"),
+        ({"iterations": [1]}, "1 numbers of iterations for 2 different colonies"),
+        ({"parameters": [(1, 1, 0.5, 1), (1, 1, 0, 1)]}, "rho = 0"),
+        ({"twice": True}, "for 1 different colonies"),
+    ],
+)
+def test_where_one_colony_cannot_be_advanced_none_is(valley, changes, message):
+    one, other = (Colony(valley, ants=2, iterations=5) for _ in range(2))
+    arguments = {"parameters": [(1, 1, 0.5, 1)] * 2, "iterations": [1, 1], **changes}
+    colonies = [one, one if arguments.pop("twice", False) else other]
+    with pytest.raises(ParameterError, match=message):
+        advance_together(colonies, **arguments)
+    assert (one.done, other.done) == (0, 0)
+
+
+@pytest.mark.parametrize("rules", ["liu2020", "max_min", "zhang2011"])
+def test_a_colony_in_released_buffers_walks_as_in_new_ones(rules):
+    motion = Motion("grid8")
+    worlds = [random_grid(seed, motion, size, 0.2) for seed, size in ((0, 12), (1, 5), (2, 20))]
+    buffers = None
+    for i, scenario in enumerate(worlds):
+        settings = {"rules": rules, "ants": 5 + 40 * i, "iterations": 6, "seed": i}
+        reused, fresh = Colony(scenario, **settings, buffers=buffers), Colony(scenario, **settings)
+        for colony in (reused, fresh):
+            colony.advance((1, 2, 0.8, 30), 6)
+        assert reused.diagnosis() == fresh.diagnosis()
+        assert reused.result().mean.tolist() == fresh.result().mean.tolist()
+        buffers = reused.release()
+
+
+def test_a_colony_that_released_its_buffers_walks_no_more(valley):
+    colony = Colony(valley, iterations=5)
+    colony.advance((1, 1, 0.5, 10), 2)
+    colony.release()
+    for attempt in (
+        colony.result,
+        colony.pheromone,
+        colony.release,
+        lambda: colony.advance((1, 1, 0.5, 1), 1),
+    ):
+        with pytest.raises(ParameterError, match="has released its buffers"):
+            attempt()
+
+
+@pytest.mark.parametrize("blocks", [0, 1, 3])
+def test_a_pickled_colony_goes_on_like_the_original_and_is_small(valley, blocks):
+    colony = Colony(valley, rules=PAPERS["max_min"], ants=4, iterations=20, seed=3)
+    for i in range(blocks):
+        colony.advance((1 + i, 2, 0.8, 30), 3)
+    data = pickle.dumps(colony)
+    copy = pickle.loads(data)
+    for each in (colony, copy):
+        each.advance((0.5, 1, 0.5, 3), 4)
+    assert copy.diagnosis() == colony.diagnosis()
+    assert copy.result().mean.tolist() == colony.result().mean.tolist()
+    assert len(data) < 10_000
+
+
 def test_segment_checks_only_remove_paths():
     """A wall with one cell open two cells away: a ±2 move would clip it."""
     free = np.ones((3, 5, 5), bool)
@@ -357,7 +439,7 @@ def test_bad_arguments_are_named(valley, arguments, message):
 
 def test_kernels_compile_once():
     """A second signature would mean that some caller hands over another dtype, and a second compilation."""
-    from antgym.kernels import ants, paths
+    from antgym.kernels import ants, diagnosis, paths
 
     grids = [random_grid(2, motion, 4) for motion in GRIDS]
     plan_many(
@@ -373,7 +455,8 @@ def test_kernels_compile_once():
     )
     for motion in (Motion(), Motion("grid8"), Motion("grid4", corners="cut"), Motion("grid26")):
         _ = Scenario(GridWorld(np.ones((5, 5))), (0, 0), (4, 4), motion).optimum
-    walks = ants.plan_range, ants.begin, ants.advance
+    Colony(grids[0]).advance((1, 1, 0.5, 1), 2)
+    walks = ants.plan_range, ants.begin, ants.advance, diagnosis.walk_block, diagnosis.diagnose
     for compiled in (*walks, paths.layered_distances, paths.grid_search):
         assert len(compiled.signatures) <= 1
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from antgym.errors import ParameterError
 from antgym.planners.rules import PAPERS
-from antgym.planners.space import Parameter, ParameterSpace, named_values
+from antgym.planners.space import Parameter, ParameterSpace, decode_together, named_values
 
 SPACES = [
     *(
@@ -67,6 +67,22 @@ def test_decoding_never_falls_beside_a_knot(space, knot):
 def test_decoded_values_stay_in_their_ranges(space, unit):
     for p, value in zip(space.parameters, space.decode([unit] * len(space))[0], strict=True):
         assert p.low <= value <= p.high
+
+
+@settings(deadline=None)
+@given(chosen=st.lists(st.sampled_from(SPACES[:-1]), min_size=1, max_size=6), data=st.data())
+def test_settings_decoded_together_are_what_each_space_makes_of_its_own(chosen, data):
+    knots = units | st.sampled_from([0.0, 0.5, 1.0])
+    rows = np.array([[data.draw(knots) for _ in range(4)] for _ in chosen])
+    alone = [space.decode(row)[0].tolist() for space, row in zip(chosen, rows, strict=True)]
+    assert decode_together(chosen, rows).tolist() == alone
+
+
+def test_spaces_of_different_scales_decode_together_too():
+    linear = ParameterSpace(tuple(Parameter(name, -1.0, 0.0, 3.0) for name in "abcd"))
+    rows = np.full((2, 4), 0.75)
+    together = decode_together([linear, SPACES[0]], rows)
+    assert together.tolist() == [linear.decode(rows[0])[0].tolist(), SPACES[0].decode(rows[1])[0].tolist()]
 
 
 @pytest.mark.parametrize("value", [-1e-9, 1.5, float("nan"), float("inf")])

@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 from scenarios import scenarios
 
 from antgym.errors import ParameterError
+from antgym.maps.features import FEATURES
 from antgym.maps.occupancy import occupancy
 from antgym.maps.world import Scenario
-from antgym.tuning.features import TASK_FEATURES, task_features
+from antgym.planners.rules import PAPERS, Rules
+from antgym.tuning.features import EFFORT_FEATURES, RULES_SHOWN, TASK_FEATURES, task_features
 from antgym.tuning.observation import bounds, observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Task, TuningProblem
 from antgym.tuning.session import Session, Trial
@@ -85,6 +87,32 @@ def test_effort_is_among_the_features(valley):
     seen = dict(zip(names, task_features(valley, ants=10, iterations=100).tolist(), strict=True))
     assert (seen["ants"], seen["iterations"]) == pytest.approx((1 / 3, 1 / 2))
     assert len(set(names)) == N
+
+
+def test_the_features_show_the_rules_by_one_of_their_places(valley):
+    first = len(FEATURES) + len(EFFORT_FEATURES)
+    for place, name in enumerate(RULES_SHOWN):
+        seen = TuningProblem(valley, name, ants=10, iterations=100).task(0).features[first:]
+        assert np.flatnonzero(seen).tolist() == [place]
+        assert seen[place] == 1
+
+
+def test_rules_of_ones_own_are_none_of_the_published(valley):
+    assert not task_features(valley, 10, 100, Rules(q0=0.5))[len(FEATURES) + len(EFFORT_FEATURES) :].any()
+
+
+def test_the_order_of_the_rules_is_what_policies_have_learnt():
+    """New rules are appended; whoever moves one changes what every trained policy sees."""
+    assert RULES_SHOWN[:7] == tuple(PAPERS)[:7]
+    assert RULES_SHOWN[7:13] == (
+        "zhang_apf",
+        "zhang_apf-original",
+        "zhang2011",
+        "zhang2011-basic",
+        "wei2018",
+        "wei2018-basic",
+    )
+    assert set(RULES_SHOWN) == set(PAPERS)
 
 
 def walk(scenario):

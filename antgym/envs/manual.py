@@ -1,0 +1,65 @@
+"""The manual: what docstrings and ``antgym envs`` say of worlds, rules and arguments, from what is read at run time."""
+
+import inspect
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from antgym.envs.catalogue import WORLDS
+from antgym.maps.recipes import SUITES
+from antgym.planners.rules import PAPERS
+from antgym.tuning.features import RULES_SHOWN
+
+
+def ranges_table(rules: Sequence[str] = RULES_SHOWN) -> str:
+    """Return the Markdown table of low < published default < high, a row for each of some rules."""
+    parameters = PAPERS["liu2020"].ranges.space(1.0).parameters
+    names = [f"{'κ' if p.name == 'Q' else p.name} ({p.scale})" for p in parameters]
+    rows = [f"| rules | {' | '.join(names)} |", "|---|" + "---|" * len(names)]
+    for name in rules:
+        cells = [" < ".join(f"{value:.4g}" for value in values) for values in PAPERS[name].ranges]
+        rows.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def worlds_table() -> str:
+    """Return the Markdown table of all worlds: what their scenarios, rules and efforts are."""
+    headings = ("world", "suite", "rules", "families", "cells a side", "ants", "iterations", "train / test")
+    rows = [f"| {' | '.join(headings)} |", "|---" * len(headings) + "|"]
+    rows += [f"| {' | '.join(world_facts(world).values())} |" for world in WORLDS]
+    return "\n".join(rows)
+
+
+def world_facts(world: str) -> dict[str, str]:
+    """Return what a row of that table says of one world, by short names."""
+    recipe = SUITES[WORLDS[world]]
+    strands = recipe.strands
+    return {
+        "world": world,
+        "suite": f"`{WORLDS[world]}`",
+        "rules": ", ".join(recipe.rules),
+        "families": ", ".join(recipe.families),
+        "sizes": _span(size for strand in strands for size in strand.sizes),
+        "ants": _span(ants for strand in strands for ants in strand.ants),
+        "iterations": _span(count for strand in strands for count in strand.iterations),
+        "scenarios": f"{recipe.counts['train']} / {recipe.counts['test']}",
+    }
+
+
+def arguments(regime: Any) -> dict[str, Any]:
+    """Return the keyword arguments of a regime and their defaults; ``suite``, which has none, is left out."""
+    found: dict[str, Any] = {}
+    for kind in reversed(regime.__mro__):
+        if "__init__" in vars(kind):
+            found |= {name: p.default for name, p in inspect.signature(kind).parameters.items()}
+    return {name: found[name] for name in regime.arguments if found[name] is not inspect.Parameter.empty}
+
+
+def section(regime: Any, heading: str) -> str:
+    """Return the text under a heading of a regime's docstring, nothing where Python runs without docstrings."""
+    _, _, rest = inspect.cleandoc(regime.__doc__ or "").partition(f"## {heading}\n")
+    return rest.partition("\n## ")[0].strip()
+
+
+def _span(values: Iterable[int]) -> str:
+    low, high = min(found := list(values)), max(found)
+    return str(low) if low == high else f"{low}–{high}"

@@ -1,0 +1,24 @@
+"""Ten thousand random steps in every environment: whatever is drawn, nothing breaks and nothing leaves its bounds."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.envs.registration import load_env_creator
+
+from antgym.envs.catalogue import CATALOGUE
+
+SLOTS, STEPS = 100, 10_000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
+def test_ten_thousand_random_steps(entry):
+    effort = [5, max(3, load_env_creator(entry.entry_point).least_iterations)]
+    batch = gymnasium.make_vec(entry.id, num_envs=SLOTS, effort=effort)
+    rng = np.random.default_rng(0)
+    batch.reset(seed=1)
+    for _ in range(STEPS // SLOTS):
+        actions = rng.uniform(-1, 1, batch.action_space.shape).astype(np.float32)
+        observations, rewards, _, _, _ = batch.step(actions)
+        assert observations in batch.observation_space
+        assert (np.abs(rewards) <= 1).all()
