@@ -4,9 +4,9 @@ Its figures 5 and 6 show one home: the improved colony converges faster, and to 
 arrives.
 
 What the paper leaves open decides it, as was measured once. It holds on 94 of our 100 floors, and on 94 to 97 under
-other seeds. On floors of 21 cells, which a basic ant still crosses, it is 72; with 50 ants 75; with κ = 10 it is 99; with
-κ = 0.1 it is 37, since the limits, which grow with Q, then lie below the initial pheromone, and all visited edges are
-alike.
+other seeds. On floors of 21 cells, which a basic ant still crosses, it is 72; with 50 ants 75; with κ = 10 it is 99;
+with κ = 0.1 it is 37, since the limits, which grow with Q, then lie below the initial pheromone, and all visited
+edges are alike.
 """
 
 from dataclasses import dataclass
