@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 import reference_diagnosis
+from colonies import CELLS, PARAMETERS, RULES, any_rules
 from conftest import random_grid, random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from planners.test_colony import CELLS, GRIDS, PARAMETERS, RULES, any_rules
+from scenarios import GRIDS
 
 from antgym.maps.motion import Motion
 from antgym.maps.world import GridWorld, Scenario
