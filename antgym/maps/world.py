@@ -171,7 +171,7 @@ class Scenario:
         elif self.motion.name != "grid26" and self.world.shape[2] != 1:
             raise ScenarioError(
                 f"the {self.motion.name} motion needs a world one cell high, got {self.world.shape} cells; "
-                "take one level of it, free[:, :, z], or the grid26 motion"
+                "take one level of it, free[:, :, z] (antgym plan: --levels 1), or the grid26 motion"
             )
 
     def __reduce__(self) -> tuple[type["Scenario"], tuple[GridWorld, Cell, Cell, Motion, str]]:
