@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import reference
 from colonies import CELLS, PARAMETERS, RULES, any_rules, world_of
 from conftest import random_grid, random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference import textbook, twin
 from scenarios import GRIDS
 
 from antgym import kernels
@@ -25,7 +25,7 @@ from antgym.planners.rules import PAPERS
 
 
 def assert_twins(scenario, parameters, **settings):
-    fast, slow = plan(scenario, parameters, **settings), reference.plan(scenario, parameters, **settings)
+    fast, slow = plan(scenario, parameters, **settings), twin.plan(scenario, parameters, **settings)
     assert fast.length == slow.length
     assert fast.path.tolist() == [list(cell) for cell in slow.path]
     assert fast.best.tolist() == slow.best
@@ -121,7 +121,7 @@ def test_mean_length_agrees_with_the_textbook_colony_over_a_thousand_seeds(valle
     parameters, effort = (1.0, beta, 0.7, 60.0), {"ants": 3, "iterations": 3}
     fast = plan_many([scenario] * 8000, [parameters] * 8000, rules=name, **effort, seeds=range(8000)).lengths
     slow = np.array(
-        [reference.textbook(scenario, parameters, rules=name, **effort, seed=s) for s in range(1000)]
+        [textbook.textbook(scenario, parameters, rules=name, **effort, seed=s) for s in range(1000)]
     )
     fast, slow = (
         np.minimum(lengths, 3 * scenario.optimum) for lengths in (fast, slow)

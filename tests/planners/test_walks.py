@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-import reference
-import reference_paths
 from colonies import PARAMETERS, any_rules
 from conftest import random_grid, random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference import paths
 from scenarios import GRIDS
 
 from antgym.errors import MapError, ParameterError, ScenarioError
@@ -42,7 +41,7 @@ def test_paths_are_valid_and_never_shorter_than_the_optimum(seed, parameters, mo
     cells = [tuple(cell) for cell in found.path.tolist()]
     assert (cells[0], cells[-1]) == (scenario.start, scenario.goal)
     assert len(set(cells)) == len(cells)  # no cell twice, nor any that an ant stepped back from
-    assert reference_paths.length_along(scenario, found.path) == found.length
+    assert paths.length_along(scenario, found.path) == found.length
 
 
 def test_best_so_far_never_rises_and_ends_at_the_length(valley):
@@ -146,7 +145,7 @@ def test_the_optimum_is_what_enumeration_finds(seed):
     scenario = random_scenario(
         seed, size=6, blocked=0.3, check_segments=seed % 2 == 0, cell=(10.0, 12.0, 5.0)
     )
-    exact = reference.shortest(scenario)
+    exact = paths.shortest_by_layers(scenario)
     if not np.isfinite(exact):
         with pytest.raises(ValueError, match="no path leads"):
             _ = scenario.optimum
@@ -189,7 +188,7 @@ def test_no_ant_that_may_step_back_is_lost_where_there_is_a_path(seed, motion, a
     scenario = random_scenario(seed, 8, 0.45) if motion.layered else random_grid(seed, motion, 6, 0.35)
     rules = PAPERS["zhang2011"]._replace(trap="retreat")
     arrived = plan(scenario, (1, 1, 0.9, 50), rules=rules, ants=ants, iterations=3, seed=seed).arrived
-    assert arrived.tolist() == [ants if np.isfinite(reference_paths.shortest(scenario)) else 0] * 3
+    assert arrived.tolist() == [ants if np.isfinite(paths.shortest(scenario)) else 0] * 3
 
 
 def test_where_nobody_is_trapped_the_trap_rules_agree():
