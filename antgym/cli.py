@@ -19,8 +19,8 @@ from antgym import console
 class PlanFile:
     """Plan a path over an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
 
-    Cells are as wide as the file's spacing, and as high. The path advances one cell along x per move. Parameters
-    left out take the published default of the rules.
+    Cells are as wide as the file's spacing, and as high. By default the path advances one cell along x per move.
+    Parameters left out take the published default of the rules.
     """
 
     file: tyro.conf.Positional[Path]
@@ -28,7 +28,9 @@ class PlanFile:
     start: tuple[int, ...]
     """Cell x y z, counted from 0; x y alone stands on the surface."""
     goal: tuple[int, ...]
-    """Cell x y z or x y, at a larger x than the start."""
+    """Cell x y z or x y; under the layered motion at a larger x than the start."""
+    motion: str = "layered"
+    """How ants step: layered, along x; grid26, to any neighbour; grid8 or grid4 over flat ground, with --levels 1."""
     levels: int | None = None
     """Cells along z; by default as many as the relief and some air above need."""
     rise: float = 0.0

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from antgym.console import write_whole
 from antgym.errors import MapError, MissingExtraError, ScenarioError
-from antgym.maps.motion import Motion
+from antgym.maps.motion import LAYERED, Motion
 from antgym.maps.readers import HeightField, read_heights
 from antgym.maps.shaping import fill_missing, voxelise
 from antgym.maps.world import Cell, GridWorld, Scenario
@@ -80,7 +80,8 @@ def find(command: "PlanFile") -> Found:
     rules = find_rules(command.rules)
     terrain = build(read_heights(command.file), command.levels, command.rise, command.fill)
     start, goal = (_end(terrain.world, name, getattr(command, name)) for name in ("start", "goal"))
-    motion = Motion(check_segments=find_rules(command.rules).check_segments)
+    checks = command.motion != LAYERED.name or rules.check_segments
+    motion = Motion(command.motion, check_segments=checks)
     scenario = Scenario(terrain.world, start, goal, motion, name=command.file.name)
     _ = scenario.optimum  # where no path exists, no ant need try
     default = rules.ranges.space(scenario.straight_line, rules.initial_pheromone).default.tolist()
@@ -150,7 +151,7 @@ def report(found: Found) -> str:
         f"{gap}"
         f"arrived  {int(done.arrived.sum()):,} of {command.ants * command.iterations:,} ants\n"
         f"seconds  {found.seconds:.4f}\n"
-        f"setting  --rules {command.rules} {values} {effort}"
+        f"setting  --motion {command.motion} --rules {command.rules} {values} {effort}"
     )
     return lines if done.solved else f"{lines}\nhint     {hint(found)}"
 
@@ -193,6 +194,7 @@ def _record(found: Found, points: NDArray[np.float64]) -> dict[str, Any]:
         "gap": found.gap,
         "arrived": int(done.arrived.sum()),
         "seconds": found.seconds,
+        "motion": command.motion,
         "rules": command.rules,
         "parameters": found.setting._asdict(),
         "ants": command.ants,

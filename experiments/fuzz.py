@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from antgym.console import main, parse, progress
 from antgym.errors import ScenarioError
-from antgym.maps.motion import CORNERS, Motion
+from antgym.maps.motion import CORNERS, Motion, move_table, step_lengths
+from antgym.maps.moves import legal_moves
 from antgym.maps.world import Cell, GridWorld, Scenario
-from antgym.planners.colony import Plan, plan
+from antgym.planners.colony import Colony, Plan, plan
 from antgym.planners.rules import PAPERS, TARGETS, TRAPS, Rules
 
 MOTIONS = tuple(Motion(name, corners=corners) for name, rules in CORNERS.items() for corners in rules)
@@ -106,8 +107,11 @@ def check(case: int) -> bool:
         optimum = question.optimum
     except ScenarioError:
         optimum = np.inf
-    found = plan(question, values, rules=rule, ants=ants, iterations=iterations, seed=case)
+    effort: dict[str, Any] = {"rules": rule, "ants": ants, "iterations": iterations, "seed": case}
+    found = plan(question, values, **effort)
     fault = _fault(question, found, optimum, rule, ants)
+    if not fault and iterations > 1:
+        fault = _split(found, Colony(question, **effort), values, int(rng.integers(1, iterations)))
     assert not fault, f"case {case}: {fault}"
     return found.solved
 
@@ -125,14 +129,21 @@ def _fault(question: Scenario, found: Plan, optimum: float, rule: Rules, ants: i
     cells = [tuple(cell) for cell in found.path.tolist()]
     if (cells[0], cells[-1]) != (question.start, question.goal) or len(set(cells)) != len(cells):
         return f"the path {cells} does not lead from start to goal"
-    steps = np.diff(question.world.centre(found.path), axis=0)
-    if not all(map(question.world.is_free, cells)):
-        return "the path enters a blocked cell"
-    return (
-        ""
-        if np.isclose(np.sqrt((steps**2).sum(axis=1)).sum(), found.length)
-        else "the path has another length"
-    )
+    steps, moves = np.diff(found.path, axis=0), move_table(question.motion).steps
+    made = (steps[:, None] == moves).all(axis=2)
+    if not (made & legal_moves(question, found.path[:-1])).any(axis=1).all():
+        return "the path makes a move that is not legal"
+    length = step_lengths(question.motion, question.world.cell)[made.argmax(axis=1)].sum()
+    return "" if np.isclose(length, found.length) else "the path has another length"
+
+
+def _split(whole: Plan, colony: Colony, values: NDArray[np.float64], first: int) -> str:
+    """Return what differs where the same run is walked in two blocks."""
+    colony.advance(values, first)
+    colony.advance(values, colony.left)
+    again = colony.result()
+    same = again.moves == whole.moves and again.path.tolist() == whole.path.tolist()
+    return "" if same and np.array_equal(again.mean, whole.mean) else "two blocks are not one"
 
 
 def script() -> None:

@@ -52,3 +52,11 @@ def valley():
     heights = 7 * np.exp(-((x - 4) ** 2 + (y - 4) ** 2) / 6)
     free = np.arange(9)[None, None, :] >= heights[:, :, None]
     return Scenario(GridWorld(free), (0, 4, 1), (8, 4, 1), name="valley")
+
+
+@pytest.fixture
+def room():
+    """A flat 7 x 7 world with a pocket between start and goal: an ant that walks into it and may not step back dies."""
+    rows = [".......", ".###...", "...#.#.", ".#.#.#.", "...#.#.", ".###...", "......."]
+    free = np.array([[c == "." for c in row] for row in rows]).T
+    return Scenario(GridWorld(free), (0, 3), (6, 3), Motion("grid8"), name="room")

@@ -136,6 +136,19 @@ def test_plan_is_the_library_s_plan():
     assert found.plan.path.tolist() == field_plan.path.tolist()
 
 
+@pytest.mark.parametrize("motion", ["grid4", "grid8"])
+def test_a_flat_colony_plans_one_level_of_the_ground(motion, tmp_path, capsys):
+    heights = np.zeros((12, 12))
+    heights[5, :9] = 1.0
+    np.save(tmp_path / "wall.npy", heights)
+    ends = ("--start", "0", "0", "0", "--goal", "11", "0", "0")
+    flat = ("--levels", "1", "--motion", motion, "--rules", "zhang2011")
+    assert cli.run(["plan", str(tmp_path / "wall.npy"), *ends, *flat]) == 0
+    assert f"--motion {motion} --rules zhang2011" in capsys.readouterr().out
+    with pytest.raises(AntgymError, match="needs a world one cell high"):
+        cli.run(["plan", str(tmp_path / "wall.npy"), *ends, "--motion", motion])
+
+
 def test_what_is_left_out_is_the_published_default():
     found = plan_file.find(cli.PlanFile(Path(HILLS), (0, 10), (20, 10), ants=1, iterations=1))
     default = PAPERS["liu2020"].ranges.space(found.scenario.straight_line).default

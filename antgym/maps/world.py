@@ -5,13 +5,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from operator import index
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import MapError, ScenarioError
+from antgym.maps.ends import checked_end, require_reach
 from antgym.maps.motion import LAYERED, REACH, Motion
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ class GridWorld:
         object.__setattr__(self, "shape", array.shape)
         object.__setattr__(self, "bits", _packed(array))
 
-    def __reduce__(self) -> tuple[type["GridWorld"], tuple[NDArray[np.uint8], tuple[float, float, float]]]:
-        return GridWorld, (self.free, self.cell)  # built anew, so that a copy is read-only too
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _from_bits, (self.bits, self.shape, self.cell)  # built anew, so that a copy is read-only too
 
     @property
     def padded(self) -> Cell:
@@ -78,11 +78,19 @@ class GridWorld:
     @cached_property
     def storage(self) -> NDArray[np.uint8]:
         """The world within blocked borders of PAD cells, ``padded`` uint8, read-only; unpacked when first asked for."""
-        storage = np.unpackbits(self.bits, count=math.prod(self.padded), bitorder="little").reshape(
-            self.padded
-        )
+        storage = self._unpacked(0, self.padded[0])
         storage.setflags(write=False)
         return storage
+
+    def planes(self, first: int, last: int) -> NDArray[np.uint8]:
+        """Return ``free[first:last]`` (0 ≤ first ≤ last ≤ nx), unpacked for the caller alone."""
+        return self._unpacked(first + PAD, last + PAD)[:, PAD:-PAD, PAD:-PAD]
+
+    def _unpacked(self, first: int, last: int) -> NDArray[np.uint8]:
+        plane, odd = self.strides[0], first * self.strides[0] % 8
+        count = (last - first) * plane
+        cells = np.unpackbits(self.bits[first * plane // 8 :], count=odd + count, bitorder="little")
+        return cells[odd:].reshape(last - first, *self.padded[1:])
 
     @property
     def free(self) -> NDArray[np.uint8]:
@@ -155,19 +163,15 @@ class Scenario:
 
     def __post_init__(self) -> None:
         for label in ("start", "goal"):
-            cell = _whole_cell(getattr(self, label), label)
-            if len(cell) == 2 and self.world.shape[2] == 1:
-                cell = (*cell, 0)
-            object.__setattr__(self, label, cell)
-            _require_free(self.world, cell, label)
+            object.__setattr__(self, label, checked_end(self.world, getattr(self, label), label))
         if self.start == self.goal:
             raise ScenarioError(f"start and goal are the same cell {self.start}; choose two")
         if self.motion.layered:
-            _require_reach(self.start, self.goal)
+            require_reach(self.start, self.goal)
         elif self.motion.name != "grid26" and self.world.shape[2] != 1:
             raise ScenarioError(
                 f"the {self.motion.name} motion needs a world one cell high, got {self.world.shape} cells; "
-                "take one level of it, free[:, :, z], or the grid26 motion"
+                "take one level of it, free[:, :, z] (antgym plan: --levels 1), or the grid26 motion"
             )
 
     def __reduce__(self) -> tuple[type["Scenario"], tuple[GridWorld, Cell, Cell, Motion, str]]:
@@ -218,46 +222,24 @@ class Scenario:
     @cached_property
     def digest(self) -> str:
         """Hash of everything that defines the question (name excluded), 64 hex digits."""
-        text = f"{self.world.shape}{self.world.cell}{self.start}{self.goal}{self.motion.key}"
-        return hashlib.sha256(text.encode() + np.packbits(self.world.free).tobytes()).hexdigest()
+        world = self.world
+        digest = hashlib.sha256(f"{world.shape}{world.cell}{self.start}{self.goal}{self.motion.key}".encode())
+        for first in range(0, world.shape[0], 8):  # eight planes end on a byte
+            digest.update(np.packbits(world.planes(first, min(first + 8, world.shape[0]))).tobytes())
+        return digest.hexdigest()
 
     def with_motion(self, motion: Motion) -> "Scenario":
         """Return the same question under another motion rule."""
         return replace(self, motion=motion)
 
 
-def _whole_cell(cell: Sequence[int], label: str) -> tuple[int, ...]:
-    try:
-        return tuple(index(i) for i in cell)
-    except TypeError:
-        raise ScenarioError(
-            f"{label} = {cell!r}: a cell is whole indices (x, y, z), counted from 0"
-        ) from None
-
-
-def _require_free(world: GridWorld, cell: tuple[int, ...], label: str) -> None:
-    if len(cell) != 3 or not all(0 <= i < n for i, n in zip(cell, world.shape, strict=False)):
-        raise ScenarioError(f"{label} {cell} lies outside the world of {world.shape} cells (indices from 0)")
-    if not world.is_free(cell):
-        open_cells = np.argwhere(world.free)
-        if not len(open_cells):
-            raise ScenarioError(f"{label} {cell} is blocked, and so is every cell of the world")
-        near = open_cells[np.abs(open_cells - np.array(cell)).sum(axis=1).argmin()]
-        raise ScenarioError(f"{label} {cell} is blocked; the nearest free cell is {tuple(near.tolist())}")
-
-
-def _require_reach(start: Cell, goal: Cell) -> None:
-    (xs, ys, zs), (xg, yg, zg) = start, goal
-    if xg <= xs:
-        raise ScenarioError(
-            f"the layered motion advances along x: goal {goal} must lie in a later layer "
-            f"than start {start}; swap them or rotate the world"
-        )
-    if max(abs(yg - ys), abs(zg - zs)) > REACH * (xg - xs):
-        raise ScenarioError(
-            f"goal {goal} is out of reach of start {start}: {xg - xs} layers allow "
-            f"{REACH * (xg - xs)} cells along y and z"
-        )
+def _from_bits(bits: NDArray[np.uint8], shape: Cell, cell: tuple[float, float, float]) -> GridWorld:
+    """Return the world that a pickled one was."""
+    world = GridWorld.__new__(GridWorld)
+    bits.setflags(write=False)
+    for name, value in (("cell", cell), ("shape", shape), ("bits", bits)):
+        object.__setattr__(world, name, value)
+    return world
 
 
 def _packed(free: NDArray[np.generic]) -> NDArray[np.uint8]:

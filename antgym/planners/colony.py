@@ -1,4 +1,4 @@
-"""The colony: plans a scenario, or many at once, or some in blocks. Sole caller of the ant layout."""
+"""The colony: plans a scenario, or many at once, or some in blocks."""
 
 from collections.abc import Sequence
 from typing import Any, overload
@@ -152,7 +152,9 @@ class Colony:
     @property
     def _buffers(self) -> Buffers:
         if self._kept is None:
-            raise ParameterError("this colony has released its buffers; nothing more can be asked of it")
+            raise ParameterError(
+                "this colony has released its buffers, or lost them to an error; nothing more can be asked of it"
+            )
         return self._kept
 
     @property
@@ -210,17 +212,22 @@ class Colony:
         return batch.plan(0, self._done)
 
     def pheromone(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the (n, 3) cells where ants have left pheromone, and the most that each or any edge into it holds.
+        """Return the (n, 3) cells that ants have visited, and by how much each or any edge into it grew.
 
-        Amounts are relative to the strongest of all, so 1 at most.
+        Amounts are over what the rules begin with, and relative to the strongest of all, so 1 at most.
         """
-        nodes, count = self._buffers.nodes, int(self._buffers.trail.status[layout.ROWS])
-        unvisited, strength = self._buffers.trail.levels[layout.UNVISITED], np.zeros(count)
+        moves, nodes, trail = self._buffers
+        count, unvisited = int(trail.status[layout.ROWS]), trail.levels[layout.UNVISITED]
+        strength = np.zeros(count)
         if self._rules.pheromone_on == "node":
             strength = np.maximum(nodes.point[:count] - unvisited, 0.0)
         else:
             rows, slots = np.nonzero(nodes.child[:count] >= 0)
-            np.maximum.at(strength, nodes.child[rows, slots], nodes.tau[rows, slots] - unvisited)
+            children, initial = nodes.child[rows, slots], np.full(len(rows), unvisited)
+            if self._rules.initial == "degree":
+                shares = moves.length[slots] / self._scenario.mean_move
+                initial *= np.maximum(nodes.degree[children], 1) * shares
+            np.maximum.at(strength, children, nodes.tau[rows, slots] - initial)
         cells = cells_of(self._scenario, nodes.cell[:count])
         return cells, strength / max(strength.max(initial=0.0), np.finfo(float).tiny)
 
@@ -237,14 +244,16 @@ class Colony:
     def _walk(self, iterations: int) -> None:
         span = _, until = self._done, self._done + iterations
         batch, changed = self._batch, self._changed
-        with np.errstate(over="ignore"):  # interpreted, random numbers and hashes wrap around
-            while (
-                walk_block(
-                    batch.ground, batch.runs, *self._buffers, batch.history, *span, changed, self._report
-                )
-                < until
-            ):
-                self._kept, changed = grown(self._buffers), False
+        buffers, self._kept = (
+            self._buffers,
+            None,
+        )  # an error on the way leaves nothing half walked to go on with
+        while (
+            walk_block(batch.ground, batch.runs, *buffers, batch.history, *span, changed, self._report)
+            < until
+        ):
+            buffers, changed = grown(buffers), False
+        self._kept = buffers
         self._blocks.append((self._next, iterations))
         self._done = until
         if self._first == np.inf:

@@ -36,7 +36,7 @@ class Rules(NamedTuple):
         initial: ``"uniform"``: τ₀ everywhere; ``"degree"``: τ₀ · length over the mean length of all moves · number
             of moves from the end (wei2018 (12)); it favours long moves, as printed.
         limits: MAX-MIN: pheromone stays within τ_max = Q / ((1 - ρ) · L_best) and τ_max / (2 · moves of the best
-            path), from the first path on.
+            path), from the first path on. Where κ ≤ 1 - ρ, τ₀ lies above τ_max, and all begins at τ_max as in print.
         best_only: pheromone fades and grows on the depositing paths alone, τ ← ρ·τ + (1 - ρ)·Δτ.
         trap: what becomes of an ant without a legal move to a cell that it has not been to: ``"die"``;
             ``"retreat"``: it steps back, for good, until it has one (zhang2011); ``"lookahead"``: it dies, but a
@@ -94,7 +94,8 @@ def _textbook(rho: float, kappa: float, source: str, beta: float = 5.0, **change
 
 
 # zhang_apf's table of settings is lost, and so are (2) and (5)-(8): forms and values are ours, after its description.
-# z1 = z2 = z3 = 1; ζ = 0.1; its ρ = 0.2 decays, so 0.8 persists; its α weighs the heuristic and is our β.
+# z1 = z2 = z3 = 1; ζ = 0.1; its ρ = 0.2 decays, so 0.8 persists; its α weighs the heuristic and is our β. κ is the
+# ratio of a path's pheromone to τ₀ once it has stayed the best; as in ACS, the number of moves.
 _POTENTIAL_FIELD: dict[str, Any] = {
     "target": "current",
     "w2": 0.0,
@@ -105,7 +106,8 @@ _POTENTIAL_FIELD: dict[str, Any] = {
     "local_to": 0.0,
     "pheromone_on": "node",
 }
-# zhang2011 bounds its α and β by 5 and its evaporation to 0.1-0.8, so that 0.2-0.9 persists; it gives no values within.
+# zhang2011 bounds its α and β by 5 and its evaporation to 0.1-0.8, so that 0.2-0.9 persists, and gives no values
+# within; our ranges are wider, as every rule's are.
 _STEP = {"target": "current"}  # η = 1 / d of the step alone
 
 PAPERS: dict[str, Rules] = {
@@ -118,10 +120,12 @@ PAPERS: dict[str, Rules] = {
     # the weight of 8 is ours: the print tries several
     "elitist": _textbook(0.5, 100 / 424, "Dorigo, Maniezzo & Colorni 1996, elitist strategy", elite=8.0),
     "rank_based": _textbook(0.9, 100 / 424, "Bullnheimer, Hartl & Strauss 1999, (2)", ranked=6, elite=6.0),
-    "max_min": _textbook(0.98, 1.0, "Stützle & Hoos 2000, (7)-(12)", beta=2.0, ranked=2, limits=True),
+    # κ = 1 - ρ: all pheromone begins at τ_max, which the print has it do
+    "max_min": _textbook(0.98, 0.02, "Stützle & Hoos 2000, (7)-(12)", beta=2.0, ranked=2, limits=True),
+    # τ₀ = 1 / (n · L) of a tour of n moves and deposits of 1 / L: κ is the number of moves, some 20 in our worlds
     "ant_colony_system": _textbook(
         0.9,
-        1.0,
+        20.0,
         "Dorigo & Gambardella 1997, (3)-(5)",
         beta=2.0,
         q0=0.9,
@@ -131,10 +135,10 @@ PAPERS: dict[str, Rules] = {
         best_only=True,
     ),
     "zhang_apf": _textbook(
-        0.8, 1.0, "zhang_apf (1)-(8)", beta=3.0, **_POTENTIAL_FIELD, w1=1.0, z2=1.0, z3=1.0
+        0.8, 20.0, "zhang_apf (1)-(8)", beta=3.0, **_POTENTIAL_FIELD, w1=1.0, z2=1.0, z3=1.0
     ),
     "zhang_apf-original": _textbook(
-        0.8, 1.0, "zhang_apf (1)-(3): chosen by pheromone alone", beta=3.0, **_POTENTIAL_FIELD, w1=0.0
+        0.8, 20.0, "zhang_apf (1)-(3): chosen by pheromone alone", beta=3.0, **_POTENTIAL_FIELD, w1=0.0
     ),
     # all ants deposit, as (4), (5) read: what its global update rule rewards beside them is not given
     "zhang2011": _textbook(

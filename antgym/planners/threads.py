@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from antgym.errors import ParameterError
 
-_POOLS: dict[int, ThreadPoolExecutor] = {}
+_POOLS: dict[int, ThreadPoolExecutor] = {}  # by number of threads
 os.register_at_fork(after_in_child=_POOLS.clear)  # a forked child has no threads of its parent's pools
 
 
@@ -27,11 +27,12 @@ def thread_count() -> int:
 
 def run_ranges(work: Callable[[int, int], None], total: int) -> None:
     """Call ``work(first, last)`` over ranges that cover ``total`` items, on as many threads as there are."""
-    threads = min(thread_count(), total)
-    if threads <= 1:
+    threads = thread_count()
+    if min(threads, total) <= 1:
         work(0, total)
         return
     parts = min(total, 4 * threads)  # several ranges a thread even out runs of different sizes
     edges = [total * i // parts for i in range(parts + 1)]
-    pool = _POOLS.setdefault(threads, ThreadPoolExecutor(threads, thread_name_prefix="antgym"))
-    list(pool.map(work, edges[:-1], edges[1:]))
+    if threads not in _POOLS:
+        _POOLS[threads] = ThreadPoolExecutor(threads, thread_name_prefix="antgym")
+    list(_POOLS[threads].map(work, edges[:-1], edges[1:]))

@@ -30,8 +30,9 @@ COMPARISON = Comparison(
     silent=(
         "Its table of settings and its equations (2) and (5)-(8) are lost: forms, exponents and parameters are ours "
         "(see `antgym.planners.rules`), and so are ants, the world's size, its bodies, start and goal. Its basic "
-        "colony chooses by pheromone alone, so β acts in the improved one only. Its lengths have no unit; ratios "
-        "compare."
+        "colony chooses by pheromone alone, so β acts in the improved one only. κ is how often τ₀ the path that "
+        "stays the best comes to hold, here the number of its moves, as in the ant colony system: below 1 both would "
+        "unlearn it. Its lengths have no unit; ratios compare."
     ),
 )
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import reference_paths
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference import paths
 
 from antgym.errors import ScenarioError
 from antgym.maps import optimum
@@ -59,7 +59,7 @@ def turned(scenario, axes):
 @settings(deadline=None, max_examples=300)
 @given(scenario=scenarios())
 def test_the_optimum_is_to_the_bit_what_dijkstra_by_the_book_finds(scenario):
-    assert optimum_of(scenario) == reference_paths.shortest(scenario)
+    assert optimum_of(scenario) == paths.shortest(scenario)
 
 
 @pytest.mark.parametrize("motion", GRIDS)
@@ -71,8 +71,8 @@ def test_many_paths_of_one_length_are_told_apart_by_their_last_bit(motion, seed)
     start, goal = (0, 0, 0), (8, 7, 4) if motion.name == "grid26" else (29, 17, 0)
     free[start] = free[goal] = True
     scenario = Scenario(GridWorld(free, tuple(rng.uniform(0.5, 2, 3))), start, goal, motion)
-    assert scenario.optimum == reference_paths.shortest(scenario)
-    assert reference_paths.length_along(scenario, shortest_path(scenario)) == scenario.optimum
+    assert scenario.optimum == paths.shortest(scenario)
+    assert paths.length_along(scenario, shortest_path(scenario)) == scenario.optimum
 
 
 @settings(deadline=None)
@@ -84,7 +84,7 @@ def test_the_shortest_path_is_legal_and_as_long_as_the_optimum_says(scenario):
         return
     path = shortest_path(scenario)
     assert [tuple(path[0]), tuple(path[-1])] == [scenario.start, scenario.goal]
-    assert reference_paths.length_along(scenario, path) == scenario.optimum
+    assert paths.length_along(scenario, path) == scenario.optimum
 
 
 @settings(deadline=None)
@@ -145,7 +145,7 @@ def test_cells_of_any_proportion_are_searched_exactly(edge):
     free = np.random.default_rng(6).random((9, 9)) < 0.8
     free[0, 0] = free[-1, -1] = True
     scenario = Scenario(GridWorld(free, (edge, 1.0, 1.0)), (0, 0), (8, 8), Motion("grid8"))
-    assert scenario.optimum == reference_paths.shortest(scenario)
+    assert scenario.optimum == paths.shortest(scenario)
 
 
 @pytest.mark.parametrize("motion", GRIDS)
@@ -194,7 +194,7 @@ def test_interpreted_kernels_find_the_same_to_the_bit():
 
 @pytest.mark.slow
 def test_a_world_of_512_cubed_is_swept_in_rolling_planes():
-    """Beside the world's 137 MB the sweep holds two planes of distances, 4 MB."""
+    """Beside the world's bits, 17 MB, the sweep holds two planes of distances, 4 MB."""
     world = GridWorld(np.ones((512, 512, 512), np.uint8), (1, 1, 1))
     scenario = Scenario(world, (0, 3, 500), (511, 500, 7))  # 497 cells along y and 493 along z in 511 moves
     assert scenario.optimum == pytest.approx(493 * np.sqrt(3) + 4 * np.sqrt(2) + 14, rel=1e-12)

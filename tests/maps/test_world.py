@@ -1,5 +1,6 @@
 """Worlds and scenarios: what cannot be planned is named at the border, and what can never changes."""
 
+import ast
 import copy
 import pickle
 
@@ -216,3 +217,38 @@ def test_a_copy_is_the_same_question_and_read_only_too(duplicate):
 def test_a_cell_that_is_no_whole_indices_is_refused(start):
     with pytest.raises(ScenarioError, match=r"start = .*whole indices"):
         Scenario(GridWorld(np.ones((4, 4, 4), bool)), start, (3, 1, 1))
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 1), (8, 3, 5), (9, 7, 1), (17, 5, 4)])
+def test_planes_are_those_of_the_world(shape):
+    world = GridWorld(np.random.default_rng(3).random(shape) < 0.5)
+    for first in range(shape[0] + 1):
+        for last in range(first, shape[0] + 1):
+            assert world.planes(first, last).tolist() == world.free[first:last].tolist()
+
+
+def test_a_large_world_is_hashed_pickled_and_refused_without_being_unpacked():
+    """A cube of 512 cells a side is 17 MB of bits, and 138 MB unpacked."""
+    free = np.ones((40, 40, 40), bool)
+    free[:30] = False
+    free[0, 0, 0] = True
+    scenario = Scenario(GridWorld(free), (0, 0, 0), (39, 20, 20))
+    assert len(pickle.dumps(scenario)) < 1.5 * len(scenario.world.bits) + 1000
+    assert pickle.loads(pickle.dumps(scenario)).digest == scenario.digest
+    with pytest.raises(ScenarioError, match=r"nearest free cell is \(30, 20, 20\)"):
+        Scenario(scenario.world, (20, 20, 20), (39, 20, 20))
+    assert "storage" not in vars(scenario.world)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_nearest_free_cell_is_the_nearest(seed):
+    rng = np.random.default_rng(seed)
+    free = rng.random((9, 6, 7)) < 0.03
+    free[tuple(rng.integers(0, free.shape))] = True
+    blocked = tuple(rng.permutation(np.argwhere(~free))[0].tolist())
+    with pytest.raises(ScenarioError, match="nearest free cell is") as caught:
+        Scenario(GridWorld(free), blocked, (8, 0, 0))
+    near = ast.literal_eval(str(caught.value).rsplit("is ", 1)[1])
+    steps = np.abs(np.argwhere(free) - blocked).sum(axis=1)
+    assert free[near]
+    assert np.abs(np.subtract(near, blocked)).sum() == steps.min()

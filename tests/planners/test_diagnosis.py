@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-import reference_diagnosis
+from colonies import CELLS, PARAMETERS, RULES, any_rules
 from conftest import random_grid, random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from planners.test_colony import CELLS, GRIDS, PARAMETERS, RULES, any_rules
+from reference import diagnosis
+from scenarios import GRIDS
 
 from antgym.maps.motion import Motion
 from antgym.maps.world import GridWorld, Scenario
@@ -23,7 +24,7 @@ def reports_of(colony, blocks):
 
 
 def assert_twins(scenario, blocks, **settings):
-    history, walk, expected = reference_diagnosis.steer(scenario, blocks, **settings)
+    history, walk, expected = diagnosis.steer(scenario, blocks, **settings)
     colony = Colony(scenario, **settings, iterations=sum(count for _, count in blocks))
     assert [report._asdict() for report in reports_of(colony, blocks)] == expected
     found = colony.result()

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import reference
+from reference import ground
 
 from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import load_suite
@@ -17,7 +17,7 @@ def assert_valid(scenario, path, length):
     cells = [tuple(cell) for cell in path.tolist()]
     assert (cells[0], cells[-1]) == (scenario.start, scenario.goal)
     for here, there in pairwise(cells):
-        assert reference.legal(scenario, here, tuple(b - a for a, b in zip(here, there, strict=True)))
+        assert ground.legal(scenario, here, tuple(b - a for a, b in zip(here, there, strict=True)))
     steps = np.diff(scenario.world.centre(path), axis=0)
     assert length == pytest.approx(np.sqrt((steps**2).sum(axis=1)).sum())
 

@@ -6,6 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 import pytest
 
 from antgym.errors import ParameterError
+from antgym.planners import threads
 from antgym.planners.threads import run_ranges, thread_count
 
 
@@ -32,3 +33,11 @@ def test_ranges_cover_every_item_once(monkeypatch, count):
     seen = []
     run_ranges(lambda first, last: seen.extend(range(first, last)), 23)
     assert sorted(seen) == list(range(23))
+
+
+def test_batches_of_any_size_share_their_threads(monkeypatch):
+    monkeypatch.setenv("ANTGYM_THREADS", "7")
+    before = set(threads._POOLS)
+    for total in (2, 3, 5, 7, 40):
+        run_ranges(lambda *_: None, total)
+    assert set(threads._POOLS) - before <= {7}

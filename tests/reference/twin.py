@@ -1,22 +1,13 @@
-"""Slow, obvious twins of the kernels.
+"""The colony walked slowly: the same ants bit for bit, in the kernel's arithmetic but none of its bookkeeping."""
 
-``plan`` walks the same ants as the compiled colony, bit for bit, one ant after the other and one move after the
-other, driven by the same ``Rules``; it shares only the random numbers and the float32 logarithm and power with it.
-``Textbook`` is the colony as the equations print it, in float64, with its own random numbers: the two agree in
-distribution. ``shortest`` enumerates.
-"""
-
-from functools import lru_cache
-from itertools import pairwise, product
 from types import SimpleNamespace
 
 import numpy as np
 
 from antgym.kernels import floats, rng
-from antgym.maps.motion import REACH
 from antgym.planners.rules import find_rules
+from reference.ground import F, allowed, clearance, degree, end_of, length_of, mean_move, steps_of
 
-F = np.float32
 FLOOR = 2.0**-1000
 
 
@@ -36,110 +27,7 @@ def draw(seed, counter):
     return np.uint64(rng.draw(np.uint64(seed), np.uint64(counter)))
 
 
-LAYERED = [(1, dy, dz) for dy in range(-2, 3) for dz in range(-2, 3)]
-AROUND = [step for step in product((-1, 0, 1), repeat=3) if any(step)]
 LANE_MAJOR = [8 * depth + lane for lane in range(8) for depth in range(4)]  # the kernel's order of summation
-
-
-def steps_of(motion):
-    """The moves of a motion, in the kernel's order: straight ones first."""
-    if motion.layered:
-        return LAYERED
-    axes, most = {"grid4": (2, 1), "grid8": (2, 2), "grid26": (3, 3)}[motion.name]
-    steps = [s for s in AROUND if not any(s[axes:]) and sum(map(abs, s)) <= most]
-    return sorted(steps, key=lambda step: sum(map(abs, step)))
-
-
-def end_of(cell, step):
-    return tuple(c + s for c, s in zip(cell, step, strict=True))
-
-
-def free(scenario, cell):
-    inside = all(0 <= i < n for i, n in zip(cell, scenario.world.shape, strict=True))
-    return inside and bool(scenario.world.free[cell])
-
-
-def crossed(step):
-    """Cells that the segment to ``step`` passes, found by walking along it in small steps."""
-    cells = set()
-    for t in np.linspace(0, 1, 4001)[1:-1]:
-        point = np.array([0.5, 0.5, 0.5]) + t * np.array(step)
-        if np.abs(point - np.round(point)).min() > 1e-9:  # not on a boundary
-            cells.add(tuple(np.floor(point).astype(int).tolist()))
-    return cells
-
-
-CROSSED = {step: crossed(step) for step in LAYERED}
-
-
-def legal(scenario, cell, step):
-    """Whether a move is one the scenario's motion allows, by the book."""
-    end = end_of(cell, step)
-    if not scenario.motion.layered:
-        box = {end_of(cell, part) for part in product(*((0, d) for d in step))}
-        sides = [free(scenario, side) for side in box - {cell, end}]
-        rule = {"both": all, "one": any, "cut": lambda sides: True}[scenario.motion.corners]
-        return free(scenario, end) and (not sides or rule(sides))
-    left = scenario.goal[0] - end[0]
-    if max(abs(scenario.goal[1] - end[1]), abs(scenario.goal[2] - end[2])) > REACH * left:
-        return False
-    cells = [end]
-    if scenario.motion.check_segments and max(abs(step[1]), abs(step[2])) == REACH:
-        cells += [end_of(cell, part) for part in CROSSED[step]]
-    return all(free(scenario, c) for c in cells)
-
-
-@lru_cache(maxsize=1 << 16)
-def clearance(scenario, cell):
-    """Distance to the nearest blocked cell, by looking at all of them."""
-    blocked, distance = np.argwhere(scenario.world.free == 0), np.float64(np.inf)
-    if len(blocked):
-        x, y, z = ((blocked - np.array(cell)) * np.array(scenario.world.cell)).T
-        distance = np.sqrt(x * x + y * y + z * z).min()
-    return F(distance)
-
-
-def allowed(scenario, rules, cell, step):
-    """Whether the rules let an ant make a move: legal, clear of obstacles, and in layers not into a dead end."""
-
-    def possible(cell, step):
-        if not legal(scenario, cell, step):
-            return False
-        least = F(rules.clearance[0] * min(scenario.world.cell))
-        return rules.z3 == 0 or clearance(scenario, end_of(cell, step)) > least
-
-    end = end_of(cell, step)
-    if not possible(cell, step):
-        return False
-    if rules.trap != "lookahead" or not scenario.motion.layered or end[0] == scenario.goal[0]:
-        return True
-    return any(possible(end, following) for following in LAYERED)
-
-
-@lru_cache(maxsize=1 << 16)
-def degree(scenario, rules, cell):
-    """How many moves lead on from a cell, and the length of the shortest."""
-    blind = rules._replace(trap="die")
-    lengths = [
-        length_of(s, scenario.world.cell)
-        for s in steps_of(scenario.motion)
-        if allowed(scenario, blind, cell, s)
-    ]
-    return len(lengths), min(lengths, default=np.inf)
-
-
-def mean_move(scenario):
-    """Mean length of all moves between free cells, layered goals aside, by going through them."""
-    steps, cells = steps_of(scenario.motion), [tuple(c) for c in np.argwhere(scenario.world.free).tolist()]
-    loose = SimpleNamespace(world=scenario.world, motion=scenario.motion, goal=(10**6, 0, 0))
-    counts = [sum(legal(loose, cell, step) for cell in cells) for step in steps]
-    lengths = [length_of(step, scenario.world.cell) for step in steps]
-    return (np.array(counts) * np.array(lengths)).sum() / sum(counts)
-
-
-def length_of(step, cell_size):
-    x, y, z = (np.float64(edge) * s for edge, s in zip(cell_size, step, strict=True))
-    return np.sqrt(x * x + y * y + z * z)
 
 
 class Twin:
@@ -421,18 +309,6 @@ def away(scenario, anchor, cell, step):
     return np.sqrt(dx * dx + dy * dy + dz * dz)
 
 
-def shares(done, rules):
-    """Who deposits, and with which weight: everybody who may, or the shortest ``ranked - 1``, the earlier on a tie."""
-    totals = [total for _, total in done]
-    most = (min(totals) + max(totals)) / 2.0 if rules.selective and done else np.inf
-    may = [i for i, total in enumerate(totals) if total <= most]
-    if rules.ranked == 0:
-        return [(done[i], 1.0) for i in may]
-    order = sorted(may, key=lambda i: (totals[i], i))[: rules.ranked - 1]
-    weights = {i: float(rules.ranked - 1 - place) for place, i in enumerate(order)}
-    return [(done[i], weights[i]) for i in sorted(weights)]  # in the order of the ants
-
-
 def pick(weight, bits):
     sums = prefix_sums(weight)
     mark = F(rng.high_uniform(np.uint64(bits))) * sums[31]
@@ -451,147 +327,13 @@ def prefix_sums(weight):
     return sums
 
 
-class Textbook:
-    """The colony as printed, float64: all pheromone in a dictionary, all of it swept, powers with ``**`` in logs."""
-
-    def __init__(self, scenario, parameters, rules):
-        self.scenario, self.rules = scenario, find_rules(rules)
-        self.alpha, self.beta, self.rho, q = parameters
-        self.q, self.tau, self.options = q / self.rules.initial_pheromone, {}, {}
-        self.fresh, self.limits, self.best, self.best_path = 1.0, (0.0, np.inf), np.inf, []
-        self.mean_move = mean_move(scenario) if self.rules.initial == "degree" else None
-        self.layered = scenario.motion.layered and self.rules.trap != "retreat"
-
-    def moves(self, cell):
-        """Ends, lengths, log η and initial pheromone of the moves from a cell."""
-        if cell not in self.options:
-            rules, size = self.rules, np.array(self.scenario.world.cell)
-            steps = [s for s in steps_of(self.scenario.motion) if allowed(self.scenario, rules, cell, s)]
-            ends = [end_of(cell, s) for s in steps]
-            lengths = np.array([np.linalg.norm(np.array(s) * size) for s in steps])
-            to_goal = np.array([np.linalg.norm((np.array(self.scenario.goal) - e) * size) for e in ends])
-            to_start = np.array([np.linalg.norm((np.array(self.scenario.start) - e) * size) for e in ends])
-            if steps:
-                step = np.minimum(lengths, lengths.mean()) if rules.clipped else lengths
-                span = {"goal": step + to_goal, "start": to_start, "current": step}[rules.target]
-                flat = np.array([1.0 / (abs(s[2]) + 1) for s in steps])
-                eta = np.log(1 / span) * rules.w1 + np.log(flat) * rules.w2
-                eta -= rules.z2 * np.log(np.maximum(to_goal, size.min()))
-                if rules.z3:
-                    far = np.array([clearance(self.scenario, end) for end in ends]) / size.min()
-                    least, most = rules.clearance
-                    eta += rules.z3 * np.log(np.minimum((far - least) / (most - least), 1))
-                first = np.ones(len(steps))
-                if rules.initial == "degree":
-                    counts = [max(degree(self.scenario, rules, end)[0], 1) for end in ends]
-                    first = lengths / self.mean_move * counts
-            self.options[cell] = (ends, lengths, eta, first) if steps else ([], lengths, None, None)
-        return self.options[cell]
-
-    def key(self, cell, end):
-        return end if self.rules.pheromone_on == "node" else (cell, end)
-
-    def step(self, cell, seen, rng):
-        """The end and the length of one ant's next move; None where it is trapped."""
-        ends, lengths, eta, first = self.moves(cell)
-        ways = [k for k, end in enumerate(ends) if self.layered or self.is_open(end, seen)]
-        if not ways:
-            return None
-        tau = np.array([self.tau.get(self.key(cell, ends[k]), self.fresh * first[k]) for k in ways])
-        logits = self.alpha * np.log(tau) + self.beta * eta[ways]
-        if rng.random() < self.rules.q0:
-            i = int(np.argmax(np.log(tau) + eta[ways] if self.rules.greedy == "plain" else logits))
-        else:
-            sums = np.exp(logits - logits.max()).cumsum()
-            i = int(np.searchsorted(sums, rng.random() * sums[-1], side="right"))
-        if self.rules.local:
-            xi, key = self.rules.local, self.key(cell, ends[ways[i]])
-            self.tau[key] = (1 - xi) * np.clip(tau[i], *self.limits) + xi * self.rules.local_to
-        return ends[ways[i]], lengths[ways[i]]
-
-    def is_open(self, end, seen):
-        if end in seen or self.rules.trap != "lookahead" or end == self.scenario.goal:
-            return end not in seen
-        return any(following not in seen for following in self.moves(end)[0])
-
-    def walk(self, ants, rng):
-        """[(cells, lengths)] of the ants that arrive; all take their first step, then all their second."""
-        paths, seen = (
-            [[self.scenario.start] for _ in range(ants)],
-            [{self.scenario.start} for _ in range(ants)],
-        )
-        lengths, done, on_the_way = [[] for _ in range(ants)], [], list(range(ants))
-        while on_the_way:
-            for ant in list(on_the_way):
-                move = self.step(paths[ant][-1], seen[ant], rng)
-                if move is None and self.rules.trap == "retreat" and lengths[ant]:
-                    paths[ant].pop()
-                    lengths[ant].pop()
-                elif move is None:
-                    on_the_way.remove(ant)
-                else:
-                    paths[ant].append(move[0])
-                    lengths[ant].append(move[1])
-                    seen[ant].add(move[0])
-                    if move[0] == self.scenario.goal:
-                        on_the_way.remove(ant)
-                        done.append((paths[ant], sum(lengths[ant])))
-        return done
-
-    def update(self, done):
-        """Evaporation, deposits, limits."""
-        rules = self.rules
-        for path, total in done:
-            if total < self.best:
-                self.best, self.best_path = total, path
-        deposits = [(path, share * self.q, total) for (path, total), share in shares(done, rules)]
-        deposits += [(self.best_path, rules.elite * self.q, self.best)]
-        if rules.limits and self.best_path:
-            high = self.q / ((1 - self.rho) * self.best)
-            self.limits = high / (2 * (len(self.best_path) - 1)), high
-        keep = lambda tau: np.clip(tau, *self.limits)  # noqa: E731
-        if not rules.best_only:
-            self.fresh *= self.rho
-            self.tau = {key: keep(self.rho * tau) for key, tau in self.tau.items()}
-            if rules.limits:
-                self.fresh = keep(self.fresh)
-        for path, amount, total in deposits:
-            for cell, end in pairwise(path):
-                self.reward(cell, end, amount, total, keep)
-
-    def reward(self, cell, end, amount, total, keep):
-        ends, lengths, _, first = self.moves(cell)
-        k, key = ends.index(end), self.key(cell, end)
-        old = self.tau.get(key, self.fresh * first[k])
-        if self.rules.deposit == "edge":
-            (here, near_here), (there, near_there) = (
-                degree(self.scenario, self.rules, c) for c in (cell, end)
-            )
-            total = lengths[k] / ((near_there if there >= here else near_here) / lengths[k])
-        if self.rules.best_only:
-            self.tau[key] = self.rho * old + (1 - self.rho) * amount / total
-        else:
-            self.tau[key] = keep(old + amount / total)
-
-
-def textbook(scenario, parameters, *, rules="liu2020", ants=20, iterations=10, seed=0):
-    """Shortest length that the textbook colony finds, inf where no ant arrives."""
-    colony, rng = Textbook(scenario, parameters, rules), np.random.default_rng(seed)
-    for _ in range(iterations):
-        colony.update(colony.walk(ants, rng))
-    return colony.best
-
-
-def shortest(scenario):
-    """Exact shortest length by recursion over all cells reached, layer by layer."""
-    reached = {scenario.start: 0.0}
-    for _ in range(scenario.layers):
-        following = {}
-        for cell, total in reached.items():
-            for step in LAYERED:
-                if legal(scenario, cell, step):
-                    end = end_of(cell, step)
-                    length = total + np.linalg.norm(np.array(step) * scenario.world.cell)
-                    following[end] = min(following.get(end, np.inf), length)
-        reached = following
-    return reached.get(scenario.goal, np.inf)
+def shares(done, rules):
+    """Who deposits, and with which weight: everybody who may, or the shortest ``ranked - 1``, the earlier on a tie."""
+    totals = [total for _, total in done]
+    most = (min(totals) + max(totals)) / 2.0 if rules.selective and done else np.inf
+    may = [i for i, total in enumerate(totals) if total <= most]
+    if rules.ranked == 0:
+        return [(done[i], 1.0) for i in may]
+    order = sorted(may, key=lambda i: (totals[i], i))[: rules.ranked - 1]
+    weights = {i: float(rules.ranked - 1 - place) for place, i in enumerate(order)}
+    return [(done[i], weights[i]) for i in sorted(weights)]  # in the order of the ants

@@ -4,14 +4,15 @@ import heapq
 from itertools import pairwise
 
 import numpy as np
-import reference
+
+from reference.ground import LAYERED, end_of, legal, length_of, steps_of
 
 
 def successors(scenario, cell):
     """All (end, length) of the legal moves from a cell."""
-    for step in reference.steps_of(scenario.motion):
-        if reference.legal(scenario, cell, step):
-            yield reference.end_of(cell, step), reference.length_of(step, scenario.world.cell)
+    for step in steps_of(scenario.motion):
+        if legal(scenario, cell, step):
+            yield end_of(cell, step), length_of(step, scenario.world.cell)
 
 
 def shortest(scenario):
@@ -34,3 +35,18 @@ def length_along(scenario, path):
     for cell, end in pairwise(cells):
         total += dict(successors(scenario, cell)).get(end, np.inf)
     return total
+
+
+def shortest_by_layers(scenario):
+    """Exact shortest length by recursion over all cells reached, layer by layer."""
+    reached = {scenario.start: 0.0}
+    for _ in range(scenario.layers):
+        following = {}
+        for cell, total in reached.items():
+            for step in LAYERED:
+                if legal(scenario, cell, step):
+                    end = end_of(cell, step)
+                    length = total + np.linalg.norm(np.array(step) * scenario.world.cell)
+                    following[end] = min(following.get(end, np.inf), length)
+        reached = following
+    return reached.get(scenario.goal, np.inf)

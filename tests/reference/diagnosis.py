@@ -3,19 +3,21 @@
 from types import SimpleNamespace
 
 import numpy as np
-import reference
+
+from reference.ground import F, end_of
+from reference.twin import FLOOR, Twin
 
 LOOKED_AT = 32
 
 
-class Steered(reference.Twin):
+class Steered(Twin):
     """The twin of a colony whose parameters change between blocks, and that remembers its last walks."""
 
     def set(self, parameters):
         before = self.alpha, self.beta
         self.alpha, self.beta, self.rho = (
-            reference.F(parameters[0]),
-            reference.F(parameters[1]),
+            F(parameters[0]),
+            F(parameters[1]),
             np.float64(parameters[2]),
         )
         self.deposit = np.float64(parameters[3]) / self.rules.initial_pheromone
@@ -30,11 +32,11 @@ class Steered(reference.Twin):
         """Pheromone of every legal move, within the limits where there are some."""
         tau = [node.tau[k] for k in node.open]
         if self.rules.pheromone_on == "node":
-            ends = [reference.end_of(node.cell, self.steps[k]) for k in node.open]
+            ends = [end_of(node.cell, self.steps[k]) for k in node.open]
             tau = [self.nodes[end].point if end in self.nodes else self.unvisited for end in ends]
         if self.rules.limits:
             low, high = self.bounds
-            tau = [max(min(max(t * self.scale, low), high), reference.FLOOR) for t in tau]
+            tau = [max(min(max(t * self.scale, low), high), FLOOR) for t in tau]
         return tau
 
     def branching(self):
