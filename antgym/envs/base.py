@@ -10,6 +10,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antgym.envs.draws import load_problems
 from antgym.envs.manual import ranges_table, worlds_table
 from antgym.errors import ParameterError, is_count, nearest
 from antgym.maps.features import Feature, feature_table
@@ -86,7 +87,8 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             valid = tuple(self.metadata["render_modes"])
             raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
         self._suite = load_suite(suite, split)
-        self._effort = None if effort is None else _checked_effort(effort, self.least_iterations)
+        checked = None if effort is None else _checked_effort(effort, self.least_iterations)
+        self._problems = load_problems(suite, split, checked, self.least_iterations)
         self._reward = reward
         self.render_mode = render_mode
         dimension = len(ColonyParameters._fields)
@@ -176,16 +178,13 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return Session(problem, self._budget)
 
     def _draw(self, root: int, episode: int, options: dict[str, Any]) -> TuningProblem:
-        rng = np.random.default_rng(np.random.SeedSequence(root, spawn_key=(episode,)))
-        index, planner_seed = int(rng.integers(len(self._suite))), int(rng.integers(2**63))
+        ((index, planner_seed),) = self._problems.draw([root], [episode])
         chosen = options.pop("scenario", index)
         for name in options:
             raise ParameterError(f"unknown reset option {name!r}; valid: scenario")
-        if not isinstance(chosen, Integral) or not 0 <= int(chosen) < len(self._suite):
-            raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {len(self._suite) - 1}")
-        item = self._suite[int(chosen)]
-        ants, iterations = self._effort or (item.ants, max(item.iterations, self.least_iterations))
-        return TuningProblem(item.scenario, item.rules, ants, iterations, planner_seed)
+        if not isinstance(chosen, Integral) or not 0 <= int(chosen) < len(self._problems):
+            raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {len(self._problems) - 1}")
+        return self._problems.at(int(chosen), planner_seed)
 
     def _walked(self) -> Colony | None:
         """Return the colony of the last run, None before any: it is walked again, same seed and same ants."""

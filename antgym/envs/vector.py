@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from antgym.envs.base import Observation, TuningEnv, step_together
 from antgym.errors import ParameterError, nearest
+from antgym.tuning.seeding import child_states
 
 _SLOT = 7  # seed domain of the slots of a batch
 
 
 def env_seeds(root: int, count: int) -> list[int]:
     """Return the seeds with which the slots of a batch, each alone, repeat their trajectories; never root + i."""
-    children = (np.random.SeedSequence(root, spawn_key=(_SLOT, i)) for i in range(count))
-    return [int(child.generate_state(1, np.uint64)[0] >> 1) for child in children]
+    seeds: list[int] = (child_states([root] * count, [(_SLOT, i) for i in range(count)])[:, 0] >> 1).tolist()
+    return seeds
 
 
 class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):

@@ -76,8 +76,7 @@ class TuningProblem:
         if motion.layered and motion.check_segments and not rules.check_segments:
             loose = self.scenario.with_motion(replace(motion, check_segments=False))
             object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
-        if not isinstance(self.seed, int) or not 0 <= self.seed < SEED_LIMIT:
-            raise ParameterError(f"seed = {self.seed!r}: a whole number from 0 to 2^128 - 1 is needed")
+        _require_seed(self.seed)
         for name in ("ants", "iterations"):
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= MOST_EFFORT:
@@ -91,14 +90,32 @@ class TuningProblem:
         rules = find_rules(self.rules)
         return rules.ranges.space(self.scenario.straight_line, rules.initial_pheromone)
 
+    def seeded(self, seed: int) -> "TuningProblem":
+        """Return the same problem under another seed; the two share space and tasks."""
+        _require_seed(seed)
+        _ = self.space, self._tasks  # made now, so that they are shared
+        other = object.__new__(TuningProblem)
+        other.__dict__.update(self.__dict__, seed=seed)  # all else is checked already
+        return other
+
+    @cached_property
+    def _tasks(self) -> dict[int, Task]:
+        """Tasks by budget; what an agent may see does not depend on the seed."""
+        return {}
+
     def task(self, budget: int) -> Task:
         """Return what an agent may see; BudgetError where the budget is no whole number from 0 on."""
         if budget != 0 and not is_count(budget):
             raise BudgetError(
                 f"budget = {budget!r}: must be 0 (zero-shot) or the number of trials to pay for"
             )
-        features = task_features(self.scenario, self.ants, self.iterations, self.rules)
-        return Task(self.space, features, self.ants, self.iterations, budget, self.scenario.chart)
+        task = self._tasks.get(budget)
+        if task is None:
+            features = task_features(self.scenario, self.ants, self.iterations, self.rules)
+            features.setflags(write=False)  # many sessions share it
+            task = Task(self.space, features, self.ants, self.iterations, budget, self.scenario.chart)
+            self._tasks[budget] = task
+        return task
 
     def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
         """Return planner seeds, a pure function of (seed, domain, index), by SeedSequence children."""
@@ -129,6 +146,11 @@ class TuningProblem:
                 f"{self.scenario.name}: length {lengths.min()} below the exact optimum {optimum}"
             )
         return np.minimum(lengths / optimum - 1.0, GAP_CAP)
+
+
+def _require_seed(seed: int) -> None:
+    if not isinstance(seed, int) or not 0 <= seed < SEED_LIMIT:
+        raise ParameterError(f"seed = {seed!r}: a whole number from 0 to 2^128 - 1 is needed")
 
 
 Request = tuple[TuningProblem, NDArray[np.float64], int, int]

@@ -36,13 +36,15 @@ def child_states(seeds: Sequence[int], keys: ArrayLike, count: int = 1) -> NDArr
     """Return (B, count) uint64: row i is ``SeedSequence(seeds[i], spawn_key=keys[i]).generate_state(count, uint64)``.
 
     Args:
-        seeds: B whole numbers in [0, 2^128).
+        seeds: B whole numbers; quick below 2^128.
         keys: (B, m) whole numbers in [0, 2^32), m ≥ 1.
         count: words of 64 bits.
     """
     if not seeds:
         return np.empty((0, count), np.uint64)
-    if len(seeds) < _FEW:
+    if (
+        len(seeds) < _FEW or not 0 <= min(seeds) <= max(seeds) < SEED_LIMIT
+    ):  # larger ones are more words to mix in
         return _one_by_one(seeds, keys, count)
     pool = _pool(_entropy(seeds, np.atleast_2d(np.asarray(keys, dtype=np.uint32))))
     stream = _Hash(_INIT_B, _MULT_B)
@@ -64,8 +66,8 @@ def _one_by_one(seeds: Sequence[int], keys: ArrayLike, count: int) -> NDArray[np
 
 def _entropy(seeds: Sequence[int], keys: Words) -> list[Words]:
     """Return the words that are mixed in: four of the seed, then the key's."""
-    parts = np.array([[seed >> 32 * i & _MASK for i in range(_POOL)] for seed in seeds], dtype=np.uint32)
-    return [*parts.reshape(-1, _POOL).T, *keys.T]
+    packed = b"".join([seed.to_bytes(4 * _POOL, "little") for seed in seeds])
+    return [*np.frombuffer(packed, dtype="<u4").reshape(-1, _POOL).T, *keys.T]
 
 
 def _pool(entropy: list[Words]) -> list[Words]:

@@ -1,0 +1,53 @@
+"""Draws: which problem an episode is about, a pure function of (root seed, episode index)."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+from antgym.maps.suites import load_suite
+from antgym.tuning.problem import TuningProblem
+from antgym.tuning.seeding import child_states
+
+Effort = tuple[int, int]  # ants, iterations
+
+
+class Problems:
+    """The problems that a split of a suite holds; made when first drawn, for whatever environment; see `load_problems`.
+
+    Args:
+        suite: name of the suite.
+        split: of it.
+        effort: for every scenario instead of its own, or None.
+        least_iterations: of a scenario's own effort.
+    """
+
+    def __init__(self, suite: str, split: str, effort: Effort | None, least_iterations: int) -> None:
+        self._asked = suite, split, effort, least_iterations
+        self._suite, self._effort, self._least = load_suite(suite, split), effort, least_iterations
+        self._made: dict[int, TuningProblem] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return load_problems, self._asked
+
+    def __len__(self) -> int:
+        return len(self._suite)
+
+    def draw(self, roots: Sequence[int], episodes: Sequence[int]) -> list[tuple[int, int]]:
+        """Return for each episode of a root the index of a scenario and the problem's seed in [0, 2^63)."""
+        words = child_states(roots, [(episode,) for episode in episodes], 2)
+        indices, seeds = words[:, 0] % len(self), words[:, 1] >> 1
+        return list(zip(indices.tolist(), seeds.tolist(), strict=True))
+
+    def at(self, index: int, seed: int) -> TuningProblem:
+        """Return the problem of one scenario under a seed."""
+        if index not in self._made:
+            item = self._suite[index]
+            ants, iterations = self._effort or (item.ants, max(item.iterations, self._least))
+            self._made[index] = TuningProblem(item.scenario, item.rules, ants, iterations)
+        return self._made[index].seeded(seed)
+
+
+@lru_cache
+def load_problems(suite: str, split: str, effort: Effort | None, least_iterations: int) -> Problems:
+    """Return the problems of a split; the same object for the same arguments, so that none is made twice."""
+    return Problems(suite, split, effort, least_iterations)
