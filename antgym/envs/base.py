@@ -11,20 +11,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.envs.draws import load_problems
+from antgym.envs.infos import Columns, row
 from antgym.envs.manual import ranges_table, worlds_table
+from antgym.envs.verdicts import REWARDS, Verdict, facts, judged, worths
 from antgym.errors import ParameterError, is_count, nearest
 from antgym.maps.features import Feature, feature_table
 from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, load_suite
 from antgym.planners.colony import Colony, Plans
 from antgym.planners.parameters import ColonyParameters
-from antgym.planners.space import named_values
 from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.observation import bounds, observe
-from antgym.tuning.problem import COST_CAP, TRIAL, Request, TuningProblem, run_together
+from antgym.tuning.problem import TRIAL, Request, TuningProblem, run_together
 from antgym.tuning.session import Session, evaluate_together
 
-REWARDS = ("gap", "length", "improvement")
 OBSERVATIONS = ("features", "map", "map2d", "map3d")
 Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
 Step = tuple[Observation, float, bool, bool, dict[str, Any]]
@@ -119,31 +119,18 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             seed: root seed; the episode index goes back to 0. Without one, the next episode of the root begins.
             options: ``{"scenario": index}`` picks a scenario of the split instead of drawing it.
         """
-        super().reset(seed=seed)
-        root, episode = self._root, self._episode + 1
-        if seed is not None or root is None:
-            root, episode = int(self.np_random.integers(2**63)) if seed is None else seed, 0
-        session = self._begin(self._draw(root, episode, dict(options or {})))
-        self._root, self._episode, self._session = root, episode, session
-        return self._observe(), self._facts()
+        (observation,), told = begin_together([self], [seed], options)
+        return observation, row(told, 0)
 
     def step(self, action: NDArray[np.float32]) -> Step:
         """Pay for one setting and judge it."""
-        return step_together([self], [action])[0]
+        (observation,), (reward,), (over,), told = step_together([self], [action])
+        return observation, reward, over, False, row(told, 0)
 
     @property
     def over(self) -> bool:
         """Whether the episode has ended."""
         return self.session.left == 0
-
-    def pay(self, action: ArrayLike) -> tuple[Session, NDArray[np.float64]]:
-        """Return what this action asks of the planner: the session and the (1, d) setting."""
-        if self.over:
-            raise ParameterError("the episode is over; call reset()")
-        values = np.asarray(action, dtype=np.float64)
-        if values.shape != self.action_space.shape or not (np.abs(values) <= 1).all():
-            raise ParameterError(f"action {values.tolist()} is no point of {self.action_space}")
-        return self.session, ((values + 1) / 2)[None, :]
 
     @staticmethod
     def spend(requests: Sequence[tuple[Session, NDArray[np.float64]]]) -> Sequence[Any]:
@@ -155,8 +142,12 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Return the fresh, uncharged runs that the reward of what was spent needs, or None."""
 
     @abstractmethod
-    def conclude(self, outcome: Any, fresh: Plans | None) -> Step:
-        """Return what step() returns."""
+    def conclude(self, outcome: Any, fresh: Plans | None) -> Verdict:
+        """Return what the step came to."""
+
+    def pay_out(self, worth: float) -> float:
+        """Return the reward of a verdict of some worth, see :func:`antgym.envs.verdicts.worths`."""
+        return worth
 
     def encode(self, *, alpha: float, beta: float, rho: float, Q: float) -> NDArray[np.float32]:
         """Return the action of natural values in the current episode; ParameterError outside their ranges."""
@@ -177,14 +168,12 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Return the session of a new episode."""
         return Session(problem, self._budget)
 
-    def _draw(self, root: int, episode: int, options: dict[str, Any]) -> TuningProblem:
-        ((index, planner_seed),) = self._problems.draw([root], [episode])
-        chosen = options.pop("scenario", index)
-        for name in options:
-            raise ParameterError(f"unknown reset option {name!r}; valid: scenario")
-        if not isinstance(chosen, Integral) or not 0 <= int(chosen) < len(self._problems):
-            raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {len(self._problems) - 1}")
-        return self._problems.at(int(chosen), planner_seed)
+    def _next(self, seed: int | None) -> tuple[int, int]:
+        """Return root and index of the episode that a reset with this seed begins."""
+        super().reset(seed=seed)
+        if seed is None and self._root is not None:
+            return self._root, self._episode + 1
+        return int(self.np_random.integers(2**63)) if seed is None else seed, 0
 
     def _walked(self) -> Colony | None:
         """Return the colony of the last run, None before any: it is walked again, same seed and same ants."""
@@ -214,48 +203,81 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _vector(self) -> NDArray[np.float32]:
         return observe(self.session.task, self.session.trials, window=self._window)
 
-    def _facts(self) -> dict[str, Any]:
-        problem = self.session.problem
-        return {
-            "scenario": problem.scenario.name,
-            "seed": problem.seed,
-            "ants": problem.ants,
-            "iterations": problem.iterations,
-            "rules": problem.rules,
-        }
 
-    def _judged(self, parameters: Sequence[float], length: float) -> dict[str, Any]:
-        """Return the facts of a run with natural parameters and the length that it came to."""
-        problem = self.session.problem
-        return {
-            **self._facts(),
-            "length": min(length, COST_CAP * problem.scenario.straight_line),
-            "optimum": problem.scenario.optimum,
-            "gap": float(problem.gap(np.array([length]))[0]),
-            "solved": bool(np.isfinite(length)),
-            "parameters": named_values(problem.space, parameters),
-        }
+def begin_together(
+    envs: Sequence[TuningEnv], seeds: Sequence[int | None], options: Mapping[str, Any] | None = None
+) -> tuple[list[Observation], Columns]:
+    """Begin an episode in environments of one kind; return what each shows, and infos.
 
-    def _natural(self, unit: tuple[float, ...]) -> list[float]:
-        return self.session.problem.space.decode(unit)[0].tolist()
-
-    def _pays(self, judged: Mapping[str, Any], default: Plans | None) -> float:
-        """Return the reward of a judged run, beside one of the published default where that counts."""
-        if self._reward == "length":
-            return -float(judged["length"])
-        gap = float(judged["gap"])
-        return -gap if default is None else float(self.session.problem.gap(default.lengths)[0]) - gap
+    Args:
+        envs: those to reset, at least one.
+        seeds: root seeds, see :meth:`TuningEnv.reset`.
+        options: of the reset, for all of them.
+    """
+    problems = envs[0]._problems
+    picked = _picked(options, len(problems))
+    episodes = [env._next(seed) for env, seed in zip(envs, seeds, strict=True)]
+    drawn = problems.draw(*zip(*episodes, strict=True))
+    for env, (root, episode), (index, seed) in zip(envs, episodes, drawn, strict=True):
+        env._session = env._begin(problems.at(index if picked is None else picked, seed))
+        env._root, env._episode = root, episode
+    return [env._observe() for env in envs], facts([env.session.problem for env in envs])
 
 
-def step_together(envs: Sequence[TuningEnv], actions: Sequence[ArrayLike]) -> list[Step]:
-    """Step environments of one regime: what they ask is one planner call, what judging them needs another."""
-    if not envs:
-        return []
-    outcomes = envs[0].spend([env.pay(action) for env, action in zip(envs, actions, strict=True)])
+def step_together(
+    envs: Sequence[TuningEnv], actions: Sequence[ArrayLike] | NDArray[np.float32]
+) -> tuple[list[Observation], list[float], list[bool], Columns]:
+    """Step environments of one kind: what they ask is one planner call, what judging them needs another.
+
+    Args:
+        envs: at least one, none of them over.
+        actions: one each.
+
+    Returns:
+        What each shows, rewards, whether episodes ended, and infos.
+
+    Raises:
+        ParameterError: on an action that is none, or where an episode is over (nothing is paid).
+    """
+    units = _units(envs, actions)
+    outcomes = envs[0].spend([(env.session, unit) for env, unit in zip(envs, units, strict=True)])
     requests = [env.judge(outcome) for env, outcome in zip(envs, outcomes, strict=True)]
     fresh = iter(run_together([request for request in requests if request is not None]))
     plans = [None if request is None else next(fresh) for request in requests]
-    return [env.conclude(*judged) for env, *judged in zip(envs, outcomes, plans, strict=True)]
+    verdicts = [env.conclude(*each) for env, *each in zip(envs, outcomes, plans, strict=True)]
+    problems = [env.session.problem for env in envs]
+    told = judged(problems, verdicts)
+    worth = worths(envs[0]._reward, problems, verdicts, told).tolist()
+    rewards = [env.pay_out(each) for env, each in zip(envs, worth, strict=True)]
+    return [env._observe() for env in envs], rewards, [env.over for env in envs], told
+
+
+def _picked(options: Mapping[str, Any] | None, count: int) -> int | None:
+    """Return the index of the scenario that the options of a reset pick, None where they leave it to the draw."""
+    for name in options or ():
+        if name != "scenario":
+            raise ParameterError(f"unknown reset option {name!r}; valid: scenario")
+    if not options:
+        return None
+    chosen = options["scenario"]
+    if not isinstance(chosen, Integral) or not 0 <= int(chosen) < count:
+        raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {count - 1}")
+    return int(chosen)
+
+
+def _units(
+    envs: Sequence[TuningEnv], actions: Sequence[ArrayLike] | NDArray[np.float32]
+) -> NDArray[np.float64]:
+    """Return what actions ask of the planner, a (1, d) setting each; charges nothing."""
+    if any([env.over for env in envs]):
+        raise ParameterError("the episode is over; call reset()")
+    space, values = envs[0].action_space, np.asarray(actions, dtype=np.float64)
+    bad: Sequence[int] = range(len(values))
+    if values.shape[1:] == space.shape:
+        bad = np.flatnonzero(~(np.abs(values) <= 1).all(axis=1)).tolist()
+    if len(bad):
+        raise ParameterError(f"action {values[bad[0]].tolist()} is no point of {space}")
+    return (values[:, None] + 1) / 2
 
 
 def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:

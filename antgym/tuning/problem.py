@@ -1,8 +1,10 @@
 """A tuning problem, as the harness holds it, and the task, which is all of it that an agent may see."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,21 +133,12 @@ class TuningProblem:
         return self.run(np.repeat(self.space.check(unit), count, axis=0), FRESH, 0)
 
     def cost(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return length / straight-line distance, COST_CAP at most and where there is no path."""
-        return np.minimum(lengths / self.scenario.straight_line, COST_CAP)
+        """Return the :func:`costs` of some runs of this problem."""
+        return costs([self] * len(lengths), lengths)
 
     def gap(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (length - optimum) / optimum, GAP_CAP at most and where there is no path.
-
-        Raises:
-            AssertionError: on a length below the exact optimum, which would be a bug of the planner.
-        """
-        optimum = self.scenario.optimum
-        if (lengths < optimum).any():
-            raise AssertionError(
-                f"{self.scenario.name}: length {lengths.min()} below the exact optimum {optimum}"
-            )
-        return np.minimum(lengths / optimum - 1.0, GAP_CAP)
+        """Return the :func:`gaps` of some runs of this problem."""
+        return gaps([self] * len(lengths), lengths)
 
 
 def _require_seed(seed: int) -> None:
@@ -157,20 +150,61 @@ Request = tuple[TuningProblem, NDArray[np.float64], int, int]
 """(problem, (k, d) settings, seed domain, index of the first seed)"""
 
 
-def run_together(requests: list[Request]) -> list[Plans]:
-    """Run the settings of several problems in one planner call; the only caller of the planner above it."""
-    counts = [len(units) for _, units, _, _ in requests]
-    problems = [p for (p, _, _, _), count in zip(requests, counts, strict=True) for _ in range(count)]
-    if not problems:
+class Runs(NamedTuple):
+    """Planner runs that several problems ask for.
+
+    Attributes:
+        problems: n of them, one a run.
+        units: (n, d) settings.
+        keys: (n, 2) seed domain and index of the run among those of its problem.
+    """
+
+    problems: list[TuningProblem]
+    units: NDArray[np.float64]
+    keys: list[tuple[int, int]]
+
+    @classmethod
+    def of(cls, requests: Sequence[Request]) -> "Runs":
+        """Lay at least one request's runs out, one after the other."""
+        problems = [problem for problem, units, _, _ in requests for _ in range(len(units))]
+        keys = [(domain, first + i) for _, units, domain, first in requests for i in range(len(units))]
+        return cls(problems, np.concatenate([units for _, units, _, _ in requests]), keys)
+
+    def plan(self) -> Plans:
+        """Run them in one planner call; the only caller of the planner above it."""
+        problems = self.problems
+        return plan_many(
+            [p.scenario for p in problems],
+            decode_together([p.space for p in problems], self.units),
+            rules=[p.rules for p in problems],
+            ants=[p.ants for p in problems],
+            iterations=[p.iterations for p in problems],
+            seeds=child_states([p.seed for p in problems], self.keys)[:, 0],
+        )
+
+
+def run_together(requests: Sequence[Request]) -> list[Plans]:
+    """Run the settings of several problems in one planner call."""
+    if not any(len(units) for _, units, _, _ in requests):
         return []
-    keys = [(domain, first + i) for _, units, domain, first in requests for i in range(len(units))]
-    plans = plan_many(
-        [p.scenario for p in problems],
-        decode_together([p.space for p in problems], np.concatenate([units for _, units, _, _ in requests])),
-        rules=[p.rules for p in problems],
-        ants=[p.ants for p in problems],
-        iterations=[p.iterations for p in problems],
-        seeds=child_states([p.seed for p in problems], keys)[:, 0],
-    )
-    ends = np.cumsum(counts)
-    return [plans[end - count : end] for count, end in zip(counts, ends, strict=True)]
+    plans, ends = Runs.of(requests).plan(), accumulate(len(units) for _, units, _, _ in requests)
+    return [plans[end - len(units) : end] for (_, units, _, _), end in zip(requests, ends, strict=True)]
+
+
+def costs(problems: Sequence[TuningProblem], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return length / straight-line distance, each of its own problem; COST_CAP at most and where there is no path."""
+    return np.minimum(lengths / [problem.scenario.straight_line for problem in problems], COST_CAP)
+
+
+def gaps(problems: Sequence[TuningProblem], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (length - optimum) / optimum, each of its own problem; GAP_CAP at most and where there is no path.
+
+    Raises:
+        AssertionError: on a length below the exact optimum, which would be a bug of the planner.
+    """
+    optima = np.array([problem.scenario.optimum for problem in problems])
+    below = np.flatnonzero(lengths < optima)
+    if len(below):
+        name, optimum = problems[below[0]].scenario.name, optima[below[0]]
+        raise AssertionError(f"{name}: length {lengths[below[0]]} below the exact optimum {optimum}")
+    return np.minimum(lengths / optima - 1.0, GAP_CAP)
