@@ -2,20 +2,19 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from inspect import cleandoc
 from numbers import Integral
-from typing import Any, TypeVar
+from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.vector.utils import iterate
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.envs.draws import load_problems
+from antgym.envs.draws import checked_effort, load_problems
 from antgym.envs.infos import Columns, row
-from antgym.envs.manual import ranges_table, worlds_table
 from antgym.envs.verdicts import REWARDS, Verdict, facts, judged, worths
-from antgym.errors import ParameterError, is_count, nearest
-from antgym.maps.features import Feature, feature_table
+from antgym.errors import ParameterError, nearest
+from antgym.maps.features import Feature
 from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, load_suite
 from antgym.planners.colony import Colony, Plans
@@ -28,19 +27,6 @@ from antgym.tuning.session import Session, evaluate_together
 OBSERVATIONS = ("features", "map", "map2d", "map3d")
 Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
 Step = tuple[Observation, float, bool, bool, dict[str, Any]]
-_Regime = TypeVar("_Regime", bound="type[TuningEnv]")
-
-
-def documented(regime: _Regime) -> _Regime:
-    """Fill the tables of a regime's docstring in from what the environment itself reads."""
-    if regime.__doc__:  # python -OO strips it
-        tables = {
-            "actions": ranges_table(),
-            "observations": feature_table(regime.features),
-            "worlds": worlds_table(),
-        }
-        regime.__doc__ = cleandoc(regime.__doc__).format(**tables)
-    return regime
 
 
 class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -87,7 +73,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             valid = tuple(self.metadata["render_modes"])
             raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
         self._suite = load_suite(suite, split)
-        checked = None if effort is None else _checked_effort(effort, self.least_iterations)
+        checked = None if effort is None else checked_effort(effort, self.least_iterations)
         self._problems = load_problems(suite, split, checked, self.least_iterations)
         self._reward = reward
         self.render_mode = render_mode
@@ -119,13 +105,13 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             seed: root seed; the episode index goes back to 0. Without one, the next episode of the root begins.
             options: ``{"scenario": index}`` picks a scenario of the split instead of drawing it.
         """
-        (observation,), told = begin_together([self], [seed], options)
-        return observation, row(told, 0)
+        shown, told = begin_together([self], [seed], options)
+        return next(iterate(self.observation_space, shown)), row(told, 0)
 
     def step(self, action: NDArray[np.float32]) -> Step:
         """Pay for one setting and judge it."""
-        (observation,), (reward,), (over,), told = step_together([self], [action])
-        return observation, reward, over, False, row(told, 0)
+        shown, (reward,), (over,), told = step_together([self], [action])
+        return next(iterate(self.observation_space, shown)), reward, over, False, row(told, 0)
 
     @property
     def over(self) -> bool:
@@ -170,9 +156,9 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def _next(self, seed: int | None) -> tuple[int, int]:
         """Return root and index of the episode that a reset with this seed begins."""
-        super().reset(seed=seed)
         if seed is None and self._root is not None:
             return self._root, self._episode + 1
+        super().reset(seed=seed)
         return int(self.np_random.integers(2**63)) if seed is None else seed, 0
 
     def _walked(self) -> Colony | None:
@@ -190,24 +176,20 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         colony.advance(problem.space.decode(trial.unit)[0], problem.iterations)
         return colony
 
-    def _observe(self) -> Observation:
-        vector = self._vector()
-        if self._flat_map is None:
-            return vector
-        return {"features": vector, "map": self.session.task.map(self._flat_map).copy()}
-
     def _bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return (low, high) of the vector shown."""
         return bounds(len(ColonyParameters._fields), window=self._window)
 
     def _vector(self) -> NDArray[np.float32]:
-        return observe(self.session.task, self.session.trials, window=self._window)
+        """Return the vector to show, not to be written to."""
+        task = self.session.task
+        return observe(task, self.session.trials, window=self._window) if self._window else task.features
 
 
 def begin_together(
     envs: Sequence[TuningEnv], seeds: Sequence[int | None], options: Mapping[str, Any] | None = None
-) -> tuple[list[Observation], Columns]:
-    """Begin an episode in environments of one kind; return what each shows, and infos.
+) -> tuple[Observation, Columns]:
+    """Begin an episode in environments of one kind; return what they show, one below the other, and infos.
 
     Args:
         envs: those to reset, at least one.
@@ -221,12 +203,12 @@ def begin_together(
     for env, (root, episode), (index, seed) in zip(envs, episodes, drawn, strict=True):
         env._session = env._begin(problems.at(index if picked is None else picked, seed))
         env._root, env._episode = root, episode
-    return [env._observe() for env in envs], facts([env.session.problem for env in envs])
+    return observed(envs), facts([env.session.problem for env in envs])
 
 
 def step_together(
     envs: Sequence[TuningEnv], actions: Sequence[ArrayLike] | NDArray[np.float32]
-) -> tuple[list[Observation], list[float], list[bool], Columns]:
+) -> tuple[Observation, list[float], list[bool], Columns]:
     """Step environments of one kind: what they ask is one planner call, what judging them needs another.
 
     Args:
@@ -234,7 +216,7 @@ def step_together(
         actions: one each.
 
     Returns:
-        What each shows, rewards, whether episodes ended, and infos.
+        What they show, one below the other, rewards, whether episodes ended, and infos.
 
     Raises:
         ParameterError: on an action that is none, or where an episode is over (nothing is paid).
@@ -249,7 +231,17 @@ def step_together(
     told = judged(problems, verdicts)
     worth = worths(envs[0]._reward, problems, verdicts, told).tolist()
     rewards = [env.pay_out(each) for env, each in zip(envs, worth, strict=True)]
-    return [env._observe() for env in envs], rewards, [env.over for env in envs], told
+    return observed(envs), rewards, [env.over for env in envs], told
+
+
+def observed(envs: Sequence[TuningEnv]) -> Observation:
+    """Return the observations of environments of one kind, one below the other, in arrays of its own."""
+    vectors = [env._vector() for env in envs]
+    features = np.concatenate(vectors).reshape(len(vectors), -1)
+    flat = envs[0]._flat_map
+    if flat is None:
+        return features
+    return {"features": features, "map": np.stack([env.session.task.map(flat) for env in envs])}
 
 
 def _picked(options: Mapping[str, Any] | None, count: int) -> int | None:
@@ -285,16 +277,3 @@ def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:
         return features
     picture = gymnasium.spaces.Box(0.0, 1.0, picture_shape(flat), np.float32)
     return gymnasium.spaces.Dict({"features": features, "map": picture})
-
-
-def _checked_effort(effort: Sequence[int], least_iterations: int) -> tuple[int, int]:
-    if not isinstance(effort, Sequence) or len(effort) != 2 or not all(map(is_count, effort)):
-        raise ParameterError(
-            f"effort = {effort!r}: needs (ants, iterations), two whole numbers of at least 1"
-        )
-    if effort[1] < least_iterations:
-        raise ParameterError(
-            f"effort = {effort!r}: needs (ants, iterations) with at least {least_iterations} iterations, for a run "
-            "is steered in blocks"
-        )
-    return int(effort[0]), int(effort[1])

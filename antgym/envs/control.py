@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.envs.base import TuningEnv, documented
+from antgym.envs.base import TuningEnv
+from antgym.envs.manual import documented
 from antgym.envs.verdicts import Verdict
 from antgym.planners.colony import Colony, Plans
 from antgym.tuning.features import feature_bounds

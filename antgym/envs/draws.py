@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
+from antgym.errors import ParameterError, is_count
 from antgym.maps.suites import load_suite
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.seeding import child_states
@@ -34,7 +37,7 @@ class Problems:
 
     def draw(self, roots: Sequence[int], episodes: Sequence[int]) -> list[tuple[int, int]]:
         """Return for each episode of a root the index of a scenario and the problem's seed in [0, 2^63)."""
-        words = child_states(roots, [(episode,) for episode in episodes], 2)
+        words = child_states(roots, np.array(episodes)[:, None], 2)
         indices, seeds = words[:, 0] % len(self), words[:, 1] >> 1
         return list(zip(indices.tolist(), seeds.tolist(), strict=True))
 
@@ -51,3 +54,17 @@ class Problems:
 def load_problems(suite: str, split: str, effort: Effort | None, least_iterations: int) -> Problems:
     """Return the problems of a split; the same object for the same arguments, so that none is made twice."""
     return Problems(suite, split, effort, least_iterations)
+
+
+def checked_effort(effort: Sequence[int], least_iterations: int) -> Effort:
+    """Return (ants, iterations) as asked for; ParameterError where a run cannot have them."""
+    if not isinstance(effort, Sequence) or len(effort) != 2 or not all(map(is_count, effort)):
+        raise ParameterError(
+            f"effort = {effort!r}: needs (ants, iterations), two whole numbers of at least 1"
+        )
+    if effort[1] < least_iterations:
+        raise ParameterError(
+            f"effort = {effort!r}: needs (ants, iterations) with at least {least_iterations} iterations, for a run "
+            "is steered in blocks"
+        )
+    return int(effort[0]), int(effort[1])

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from antgym.envs.base import TuningEnv, documented
+from antgym.envs.base import TuningEnv
+from antgym.envs.manual import documented
 from antgym.envs.verdicts import Verdict
 from antgym.planners.colony import Plans
 from antgym.tuning.problem import FRESH, Request

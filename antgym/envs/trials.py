@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from antgym.envs.base import TuningEnv, documented
+from antgym.envs.base import TuningEnv
+from antgym.envs.manual import documented
 from antgym.envs.verdicts import Verdict
 from antgym.errors import BudgetError, is_count
 from antgym.planners.colony import Plans

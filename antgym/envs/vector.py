@@ -1,11 +1,12 @@
 """The native batch: N environments whose planner runs are one call."""
 
 from collections.abc import Sequence
+from copy import deepcopy
 from typing import Any, cast
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
+from gymnasium.vector.utils import batch_space, create_empty_array, iterate
 from numpy.typing import NDArray
 
 from antgym.envs.base import Observation, TuningEnv, begin_together, step_together
@@ -41,7 +42,7 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         self.single_observation_space = self.envs[0].observation_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self._shown: list[Observation] = list(iterate(self.observation_space, self._blank()))
+        self._shown: Any = create_empty_array(self.single_observation_space, self.num_envs)
         self._over = np.zeros(self.num_envs, bool)
 
     @property
@@ -93,7 +94,7 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
                 self.mode is AutoresetMode.SAME_STEP
             ):  # no slot was waiting, so slots are places in what is told
                 anew, slots = np.flatnonzero(ends), np.flatnonzero(~ends)
-                last = {"final_obs": shown, "final_info": told}
+                last = {"final_obs": list(iterate(self.observation_space, shown)), "final_info": told}
                 parts = [(anew, some(last, anew)), (slots, some(told, slots))]
             else:
                 self._over[slots] = ends[slots]
@@ -120,20 +121,20 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         self._over[slots] = False
         return told
 
-    def _show(self, slots: NDArray[np.intp], observations: Sequence[Observation]) -> None:
-        for slot, observation in zip(slots.tolist(), observations, strict=True):
-            self._shown[slot] = observation
+    def _show(self, slots: NDArray[np.intp], observations: Any) -> None:
+        """Keep what some slots show."""
+        if isinstance(self._shown, dict):
+            for name, part in self._shown.items():
+                part[slots] = observations[name]
+        else:
+            self._shown[slots] = observations
 
     def _gathered(self, parts: Sequence[tuple[NDArray[np.intp], Columns]]) -> dict[str, Any]:
         return gathered(self.num_envs, parts)
 
     def _observations(self) -> Observation:
         """Return what all slots show, in arrays of its own."""
-        batch = concatenate(self.single_observation_space, self._shown, self._blank())
-        return cast("Observation", batch)
-
-    def _blank(self) -> Any:
-        return create_empty_array(self.single_observation_space, self.num_envs)
+        return cast("Observation", deepcopy(self._shown))
 
 
 def _slot_seeds(

@@ -1,9 +1,8 @@
 """A batch: planner runs checked once and packed for the kernel, and what it writes, as plans."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import accumulate
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -15,8 +14,9 @@ from antgym.kernels import layout
 from antgym.kernels.ants import plan_range
 from antgym.kernels.layout import RUN, Ground, History
 from antgym.maps.motion import MOTIONS, REACH, move_table
-from antgym.maps.world import PAD, GridWorld, Scenario
+from antgym.maps.world import PAD, Scenario
 from antgym.planners.buffers import Workspace, grown
+from antgym.planners.ground import pack
 from antgym.planners.parameters import check_parameters
 from antgym.planners.rules import TRAPS, Rules, find_rules
 
@@ -25,7 +25,7 @@ _RECORD = np.dtype(
     (np.record, RUN)
 )  # interpreted kernels read fields by name, and an array of its own type is slow
 _FIRST_CELLS = 64  # of a path; a range of runs that finds longer ones gets room for more
-_ROWS: WeakKeyDictionary[Scenario, dict[Rules, bytes]] = WeakKeyDictionary()
+_ROWS: WeakKeyDictionary[Scenario, dict[str | Rules, bytes]] = WeakKeyDictionary()
 """Records of RUN made before, as long as their scenario is in use."""
 MOST_EFFORT = 1_000_000  # ants, or iterations
 
@@ -88,9 +88,11 @@ class Batch:
     ) -> "Batch":
         """Check everything once and pack it."""
         count = len(scenarios)
-        each = _each_rules(rules, count)
-        runs = _rows(scenarios, each)
-        ground = _pack(scenarios, each, runs)
+        asked = _each_rules(rules, count)
+        found = {rule: find_rules(rule) for rule in dict.fromkeys(asked)}
+        each = [found[rule] for rule in asked]
+        runs = _rows(scenarios, asked, each)
+        ground = pack([scenario.world for scenario in scenarios], runs["z3"] > 0, runs)
         for name, values in (("ants", ants), ("iterations", iterations)):
             runs[name] = _effort(name, values, count)
         runs["key"] = _keys(seeds, count)
@@ -157,13 +159,12 @@ class Batch:
         )
 
 
-def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[Rules]:
+def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[str | Rules]:
     if isinstance(rules, (str, Rules)):
-        return [find_rules(rules)] * count
+        return [rules] * count
     if len(rules) != count:
         raise ParameterError(f"{len(rules)} rules for {count} scenarios; give one, or one each")
-    found = {rule: find_rules(rule) for rule in dict.fromkeys(rules)}
-    return [found[rule] for rule in rules]
+    return list(rules)
 
 
 def _effort(name: str, values: int | Sequence[int], count: int) -> NDArray[np.int64]:
@@ -186,29 +187,6 @@ def _keys(seeds: ArrayLike, count: int) -> NDArray[np.uint64]:
     return np.asarray(seeds, dtype=np.uint64).ravel()
 
 
-def _pack(scenarios: list[Scenario], rules: list[Rules], runs: Any) -> Ground:
-    """Lay worlds one behind the other, each once, and write where each begins."""
-    bits, begins = _laid_out([scenario.world for scenario in scenarios], lambda world: world.bits, np.uint8)
-    runs["origin"] = 8 * begins
-    wary = np.flatnonzero([rule.z3 > 0 for rule in rules])
-    worlds = [scenarios[i].world for i in wary.tolist()]
-    clearance, places = _laid_out(worlds, lambda world: world.clearance.reshape(-1), np.float32)
-    runs["clear_shift"][wary] = places - runs["origin"][wary]
-    return Ground(bits, clearance)
-
-
-def _laid_out(
-    worlds: list[GridWorld], array_of: Callable[[GridWorld], NDArray[Any]], dtype: type
-) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return the worlds' arrays as one and where each begins; the array of a single world is used where it lies."""
-    each = {id(world): world for world in worlds}
-    parts = [array_of(world) for world in each.values()]
-    flat = parts[0] if len(parts) == 1 else np.concatenate(parts or [np.empty(0, dtype)])
-    flat.setflags(write=False)  # as a world's own cells are: one type, one compilation
-    begins = dict(zip(each, accumulate(map(len, parts), initial=0), strict=False))
-    return flat, np.array([begins[id(world)] for world in worlds], dtype=np.int64)
-
-
 @cache
 def _tables() -> NDArray[np.int64]:
     """Return (t, PARTS, WIDTH, 3): steps, required cells and either cells of every motion, padded with zeros."""
@@ -221,16 +199,16 @@ def _tables() -> NDArray[np.int64]:
     return tables
 
 
-def _rows(scenarios: list[Scenario], rules: list[Rules]) -> Any:
+def _rows(scenarios: list[Scenario], asked: list[str | Rules], rules: list[Rules]) -> Any:
     """Return (B,) records of RUN with all that follows from a scenario and its rules; they come again and again."""
     parts = []
-    for scenario, rule in zip(scenarios, rules, strict=True):
+    for scenario, name, rule in zip(scenarios, asked, rules, strict=True):
         known = _ROWS.get(scenario)
         if known is None:
             known = _ROWS[scenario] = {}
-        row = known.get(rule)
+        row = known.get(name)
         if row is None:
-            row = known[rule] = _row(scenario, rule)
+            row = known[name] = _row(scenario, rule)
         parts.append(row)
     return np.frombuffer(bytearray().join(parts), _RECORD)
 

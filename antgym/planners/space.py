@@ -158,9 +158,9 @@ class ParameterSpace:
 def check_together(spaces: Sequence[ParameterSpace], units: Sequence[ArrayLike]) -> list[Floats]:
     """Return what the ``check`` of each space makes of its own (k, d) settings."""
     arrays = [np.asarray(each, dtype=np.float64) for each in units]
-    widths = [len(space.parameters) for space in spaces]
-    if arrays and [array.shape[1:] for array in arrays] == [(width,) for width in widths]:
-        values = np.concatenate(arrays, axis=None)
+    widths, shapes = {len(space.parameters) for space in spaces}, {array.shape[1:] for array in arrays}
+    if len(widths) == 1 and shapes == {tuple(widths)}:
+        values = np.concatenate(arrays)
         if ((values >= 0) & (values <= 1)).all():
             return arrays
     return [space.check(array) for space, array in zip(spaces, arrays, strict=True)]

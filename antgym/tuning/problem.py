@@ -97,7 +97,8 @@ class TuningProblem:
         _require_seed(seed)
         _ = self.space, self._tasks  # made now, so that they are shared
         other = object.__new__(TuningProblem)
-        other.__dict__.update(self.__dict__, seed=seed)  # all else is checked already
+        other.__dict__.update(self.__dict__)  # which is checked already
+        other.__dict__["seed"] = seed
         return other
 
     @cached_property
@@ -156,7 +157,7 @@ class Runs(NamedTuple):
     Attributes:
         problems: n of them, one a run.
         units: (n, d) settings.
-        keys: (n, 2) seed domain and index of the run among those of its problem.
+        keys: seed domain of each, and its index among the runs of its problem.
     """
 
     problems: list[TuningProblem]

@@ -72,13 +72,13 @@ class Budget:
         """Raise BudgetError where ``wanted`` is nothing or nothing is left."""
         if wanted < 1:
             raise BudgetError("an empty batch of settings was asked for; ask for at least one")
-        if self.left == 0:
+        if self.spent == self.total:
             raise BudgetError(f"all {self.total} trials are spent; stop when session.left is 0")
 
     def charge(self, wanted: int) -> int:
         """Spend up to ``wanted`` trials and return how many."""
         self.check(wanted)
-        granted = min(wanted, self.left)
+        granted = min(wanted, self.total - self.spent)
         self.spent += granted
         return granted
 
@@ -92,8 +92,6 @@ class Session:
         journal: a ledger's run; recorded trials are fed back instead of being run again.
 
     Attributes:
-        trials: what was paid for so far.
-        lengths: their path lengths in world units, inf where there was no path; the harness's, not the agent's.
         opened: the trial that was opened last, under way or over; None where none was.
     """
 
@@ -101,8 +99,7 @@ class Session:
         self._budget = Budget(budget)
         self.problem = problem
         self.task: Task = problem.task(self._budget.total)
-        self.trials: tuple[Trial, ...] = ()
-        self.lengths: tuple[float, ...] = ()
+        self._records: list[Record] = []
         self.opened: OpenTrial | None = None
         self._journal = journal
 
@@ -110,6 +107,16 @@ class Session:
     def left(self) -> int:
         """Trials that can still be paid for."""
         return self._budget.left
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """What was paid for so far."""
+        return tuple([record.trial for record in self._records])
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Path lengths of the trials in world units, inf where there was no path; the harness's, not the agent's."""
+        return tuple([record.length for record in self._records])
 
     def evaluate(self, units: ArrayLike) -> tuple[Trial, ...]:
         """Pay for settings and return their trials.
@@ -139,7 +146,7 @@ class Session:
         """
         self._require_nothing_under_way()
         self._budget.check(1)
-        self.opened = OpenTrial(self.problem, len(self.trials), blocks, buffers)
+        self.opened = OpenTrial(self.problem, len(self._records), blocks, buffers)
         self._budget.charge(1)
         return self.opened
 
@@ -167,8 +174,7 @@ class Session:
                 raise LedgerError(
                     f"steered again, trial {trial.index} comes to {record}, not to {kept} as before"
                 )
-        self.trials += (record.trial,)
-        self.lengths += (record.length,)
+        self._records.append(record)
 
     def _check(self, wanted: int) -> None:
         """Raise unless this number of trials can be asked for; charges nothing."""
@@ -177,8 +183,10 @@ class Session:
 
     def _claim(self, batch: NDArray[np.float64]) -> tuple[list[Record], Request]:
         """Charge a batch and split it into what a journal already holds and what is left to run."""
-        first = len(self.trials)
-        batch = batch[: self._budget.charge(len(batch))]
+        first = len(self._records)
+        granted = self._budget.charge(len(batch))
+        if granted < len(batch):
+            batch = batch[:granted]
         replayed: list[Record] = []
         if self._journal is not None:
             for offset, unit in enumerate(batch):
@@ -187,18 +195,16 @@ class Session:
                 if record is None:
                     break
                 replayed.append(record)
-        old = len(replayed)
-        return replayed, (self.problem, batch[old:], TRIAL, first + old)
+            batch = batch[len(replayed) :]
+        return replayed, (self.problem, batch, TRIAL, first + len(replayed))
 
     def _settle(self, replayed: list[Record], new: list[Record]) -> tuple[Trial, ...]:
-        """Enter what was paid for among the trials."""
+        """Enter what was paid for among the trials and return it."""
         if self._journal is not None and new:
             self._journal.append(new)
         records = replayed + new
-        trials = tuple([record.trial for record in records])
-        self.trials += trials
-        self.lengths += tuple([record.length for record in records])
-        return trials
+        self._records += records
+        return tuple([record.trial for record in records])
 
 
 def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tuple[Trial, ...]]:

@@ -64,10 +64,8 @@ class OutOfBounds(NativeVectorEnv):
 
 
 class WrittenOver(NativeVectorEnv):
-    def _blank(self):
-        if not hasattr(self, "kept"):
-            self.kept = super()._blank()
-        return self.kept
+    def _observations(self):
+        return self._shown
 
 
 class NextEpisodeAsFinal(NativeVectorEnv):
