@@ -264,11 +264,10 @@ def _units(
     if any([env.over for env in envs]):
         raise ParameterError("the episode is over; call reset()")
     space, values = envs[0].action_space, np.asarray(actions, dtype=np.float64)
-    bad: Sequence[int] = range(len(values))
-    if values.shape[1:] == space.shape:
-        bad = np.flatnonzero(~(np.abs(values) <= 1).all(axis=1)).tolist()
-    if len(bad):
-        raise ParameterError(f"action {values[bad[0]].tolist()} is no point of {space}")
+    fits = values.shape[1:] == space.shape
+    if not (fits and (np.abs(values) <= 1).all()):
+        bad = values[~(np.abs(values) <= 1).all(axis=1)] if fits else values
+        raise ParameterError(f"action {bad[0].tolist()} is no point of {space}")
     return (values[:, None] + 1) / 2
 
 

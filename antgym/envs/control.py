@@ -121,7 +121,7 @@ class ControlEnv(TuningEnv):
         block = len(outcome.units)
         self.planner_runs += int(block == 1) + (0 if fresh is None else len(fresh))
         default = None if fresh is None else float(fresh.lengths[0])
-        return Verdict(outcome.units[-1], outcome.length, default, {"block": block})
+        return Verdict(outcome.units[-1], outcome.length, default, {"block": block}, outcome.parameters)
 
     def pay_out(self, worth: float) -> float:
         """Pay for what the block gained."""

@@ -15,7 +15,7 @@ def row(columns: Columns, index: int) -> dict[str, Any]:
     return {
         name: row(values, index)
         if isinstance(values, dict)
-        else values[index].item()
+        else values.item(index)
         if isinstance(values, np.ndarray)
         else values[index]
         for name, values in columns.items()

@@ -22,12 +22,14 @@ class Verdict(NamedTuple):
         length: that it came to, in world units; inf where there was no path.
         default: what a fresh run of the published default came to, where the reward compares with it.
         facts: that the regime adds to info.
+        parameters: natural values of the setting, where the regime has them; it is decoded otherwise.
     """
 
     unit: Sequence[float]
     length: float
     default: float | None = None
     facts: Mapping[str, Any] = {}
+    parameters: Sequence[float] | None = None
 
 
 def facts(problems: Sequence[TuningProblem]) -> Columns:
@@ -45,15 +47,13 @@ def judged(problems: Sequence[TuningProblem], verdicts: Sequence[Verdict]) -> Co
     """Return what info tells after a step."""
     lengths = np.array([verdict.length for verdict in verdicts])
     straight_lines = np.array([problem.scenario.straight_line for problem in problems])
-    units = np.array([verdict.unit for verdict in verdicts])
-    naturals = decode_together([problem.space for problem in problems], units)
     return {
         **facts(problems),
         "length": np.minimum(lengths, COST_CAP * straight_lines),
         "optimum": [problem.scenario.optimum for problem in problems],
         "gap": gaps(problems, lengths),
         "solved": np.isfinite(lengths),
-        "parameters": dict(zip(ColonyParameters._fields, naturals.T, strict=True)),
+        "parameters": dict(zip(ColonyParameters._fields, _naturals(problems, verdicts).T, strict=True)),
         **{name: [verdict.facts[name] for verdict in verdicts] for name in verdicts[0].facts},
     }
 
@@ -70,3 +70,10 @@ def worths(
         defaults = np.array([verdicts[i].default for i in compared])
         worth[compared] += gaps([problems[i] for i in compared], defaults)
     return worth
+
+
+def _naturals(problems: Sequence[TuningProblem], verdicts: Sequence[Verdict]) -> NDArray[np.float64]:
+    if verdicts[0].parameters is not None:
+        return np.array([verdict.parameters for verdict in verdicts])
+    units = np.array([verdict.unit for verdict in verdicts])
+    return decode_together([problem.space for problem in problems], units)

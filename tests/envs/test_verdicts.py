@@ -44,6 +44,15 @@ def test_info_of_a_verdict_is_that_of_its_problem(problems, verdicts):
         assert (info["block"], info["scenario"], info["seed"]) == (i, scenario.name, i)
 
 
+def test_parameters_that_are_known_are_those_decoded(problems, verdicts):
+    known = [
+        verdict._replace(parameters=problem.space.decode(verdict.unit)[0].tolist())
+        for problem, verdict in zip(problems, verdicts, strict=True)
+    ]
+    for i in range(len(problems)):
+        assert row(judged(problems, known), i) == row(judged(problems, verdicts), i)
+
+
 def test_worth_is_read_off_the_verdict(problems, verdicts):
     told = judged(problems, verdicts)
     gaps = [0.0, 0.2, 1.0, 1.0, 0.5, 1.0]
