@@ -40,6 +40,8 @@ class MissingExtraError(AntgymError, ImportError):
 
 def is_count(value: object) -> bool:
     """Return whether a value is a whole number of at least one."""
+    if type(value) is int:  # by far the most
+        return value >= 1
     return isinstance(value, Real) and float(value) >= 1 and float(value).is_integer()
 
 

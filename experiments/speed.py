@@ -39,6 +39,7 @@ from antgym.console import main, parse, write_whole
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.maps.motion import move_table
 from antgym.planners.colony import plan_many
+from experiments import batches
 from experiments.growth import figure, growth, to_sentence, to_table, vast
 from experiments.rivals import CODES, Code, peak_megabytes
 
@@ -61,6 +62,8 @@ class Arguments:
     """Whether to measure how cost grows with ants, iterations, layers and world, up to a cube of 512 cells a side."""
     two_threads: bool = True
     """Whether to measure what a second thread gains."""
+    envs: bool = True
+    """Whether to measure what a batch of environments costs beside its planner, and against single ones."""
     out: Annotated[Path | None, tyro.conf.arg(name="json")] = None
     """File to write the figures to."""
     figure: Path | None = None
@@ -275,6 +278,9 @@ def run(arguments: Arguments) -> dict[str, Any]:
     if arguments.two_threads:
         figures["two_threads"] = gain = thread_gain(workloads[0], arguments.repeats)
         console.print("two threads over one:", ", ".join(f"{name} {value}" for name, value in gain.items()))
+    if arguments.envs:
+        figures["envs"] = batches.batches(arguments.repeats)
+        console.print("a batch of environments:", batches.to_sentence(figures["envs"]))
     if arguments.out is not None:
         write_whole(arguments.out, (json.dumps(figures, indent=2) + "\n").encode())
     if arguments.figure is not None:

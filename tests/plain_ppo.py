@@ -43,7 +43,7 @@ class Policy(nn.Module):
     def act(self, observation):
         """The mean action, within the box."""
         with torch.no_grad():
-            return self.mean(torch.as_tensor(observation)).clamp(-1, 1).numpy()
+            return self.mean(torch.tensor(observation)).clamp(-1, 1).numpy()
 
 
 def _network(inputs, outputs, gain):

@@ -2,45 +2,32 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from inspect import cleandoc
 from numbers import Integral
-from typing import Any, TypeVar
+from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.vector.utils import iterate
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.envs.manual import ranges_table, worlds_table
+from antgym.envs.draws import checked_effort, load_problems
+from antgym.envs.infos import Columns, row
 from antgym.envs.scenarios import find_items
-from antgym.errors import ParameterError, is_count, nearest
-from antgym.maps.features import Feature, feature_table
+from antgym.envs.verdicts import REWARDS, Verdict, facts, judged, worths
+from antgym.errors import ParameterError, nearest
+from antgym.maps.features import Feature
 from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, SuiteItem
 from antgym.planners.colony import Colony, Plans
 from antgym.planners.parameters import ColonyParameters
-from antgym.planners.space import named_values
 from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.observation import bounds, observe
-from antgym.tuning.problem import COST_CAP, TRIAL, Request, TuningProblem, run_together
+from antgym.tuning.problem import TRIAL, Request, TuningProblem, run_together
 from antgym.tuning.session import Session, evaluate_together
 
-REWARDS = ("gap", "length", "improvement")
 OBSERVATIONS = ("features", "map", "map2d", "map3d")
 Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
 Step = tuple[Observation, float, bool, bool, dict[str, Any]]
-_Regime = TypeVar("_Regime", bound="type[TuningEnv]")
-
-
-def documented(regime: _Regime) -> _Regime:
-    """Fill the tables of a regime's docstring in from what the environment itself reads."""
-    if regime.__doc__:  # python -OO strips it
-        tables = {
-            "actions": ranges_table(),
-            "observations": feature_table(regime.features),
-            "worlds": worlds_table(),
-        }
-        regime.__doc__ = cleandoc(regime.__doc__).format(**tables)
-    return regime
 
 
 class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -86,14 +73,14 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             valid = tuple(self.metadata["render_modes"])
             raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
-        self._suite = find_items(suite, split)
-        self._effort = None if effort is None else _checked_effort(effort, self.least_iterations)
+        checked = None if effort is None else checked_effort(effort, self.least_iterations)
+        self._problems = load_problems(find_items(suite, split), checked, self.least_iterations)
         self._reward = reward
         self.render_mode = render_mode
         dimension = len(ColonyParameters._fields)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (dimension,), np.float32)
         features = gymnasium.spaces.Box(*self._bounds(), dtype=np.float32)
-        self._flat_map = {"features": None, "map": self._suite.flat, "map2d": True, "map3d": False}[
+        self._flat_map = {"features": None, "map": self._problems.flat, "map2d": True, "map3d": False}[
             observation
         ]
         self.observation_space = _with_map(features, self._flat_map)
@@ -118,31 +105,18 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             seed: root seed; the episode index goes back to 0. Without one, the next episode of the root begins.
             options: ``{"scenario": index}`` picks a scenario of the split instead of drawing it.
         """
-        super().reset(seed=seed)
-        root, episode = self._root, self._episode + 1
-        if seed is not None or root is None:
-            root, episode = int(self.np_random.integers(2**63)) if seed is None else seed, 0
-        session = self._begin(self._draw(root, episode, dict(options or {})))
-        self._root, self._episode, self._session = root, episode, session
-        return self._observe(), self._facts()
+        shown, told = begin_together([self], [seed], options)
+        return next(iterate(self.observation_space, shown)), row(told, 0)
 
     def step(self, action: NDArray[np.float32]) -> Step:
         """Pay for one setting and judge it."""
-        return step_together([self], [action])[0]
+        shown, (reward,), (over,), told = step_together([self], [action])
+        return next(iterate(self.observation_space, shown)), reward, over, False, row(told, 0)
 
     @property
     def over(self) -> bool:
         """Whether the episode has ended."""
         return self.session.left == 0
-
-    def pay(self, action: ArrayLike) -> tuple[Session, NDArray[np.float64]]:
-        """Return what this action asks of the planner: the session and the (1, d) setting."""
-        if self.over:
-            raise ParameterError("the episode is over; call reset()")
-        values = np.asarray(action, dtype=np.float64)
-        if values.shape != self.action_space.shape or not (np.abs(values) <= 1).all():
-            raise ParameterError(f"action {values.tolist()} is no point of {self.action_space}")
-        return self.session, ((values + 1) / 2)[None, :]
 
     @staticmethod
     def spend(requests: Sequence[tuple[Session, NDArray[np.float64]]]) -> Sequence[Any]:
@@ -154,8 +128,12 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Return the fresh, uncharged runs that the reward of what was spent needs, or None."""
 
     @abstractmethod
-    def conclude(self, outcome: Any, fresh: Plans | None) -> Step:
-        """Return what step() returns."""
+    def conclude(self, outcome: Any, fresh: Plans | None) -> Verdict:
+        """Return what the step came to."""
+
+    def pay_out(self, worth: float) -> float:
+        """Return the reward of a verdict of some worth, see :func:`antgym.envs.verdicts.worths`."""
+        return worth
 
     def encode(self, *, alpha: float, beta: float, rho: float, Q: float) -> NDArray[np.float32]:
         """Return the action of natural values in the current episode; ParameterError outside their ranges."""
@@ -176,17 +154,12 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Return the session of a new episode."""
         return Session(problem, self._budget)
 
-    def _draw(self, root: int, episode: int, options: dict[str, Any]) -> TuningProblem:
-        rng = np.random.default_rng(np.random.SeedSequence(root, spawn_key=(episode,)))
-        index, planner_seed = int(rng.integers(len(self._suite))), int(rng.integers(2**63))
-        chosen = options.pop("scenario", index)
-        for name in options:
-            raise ParameterError(f"unknown reset option {name!r}; valid: scenario")
-        if not isinstance(chosen, Integral) or not 0 <= int(chosen) < len(self._suite):
-            raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {len(self._suite) - 1}")
-        item = self._suite[int(chosen)]
-        ants, iterations = self._effort or (item.ants, max(item.iterations, self.least_iterations))
-        return TuningProblem(item.scenario, item.rules, ants, iterations, planner_seed)
+    def _next(self, seed: int | None) -> tuple[int, int]:
+        """Return root and index of the episode that a reset with this seed begins."""
+        if seed is None and self._root is not None:
+            return self._root, self._episode + 1
+        super().reset(seed=seed)
+        return int(self.np_random.integers(2**63)) if seed is None else seed, 0
 
     def _walked(self) -> Colony | None:
         """Return the colony of the last run, None before any: it is walked again, same seed and same ants."""
@@ -203,61 +176,99 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         colony.advance(problem.space.decode(trial.unit)[0], problem.iterations)
         return colony
 
-    def _observe(self) -> Observation:
-        vector = self._vector()
-        if self._flat_map is None:
-            return vector
-        return {"features": vector, "map": self.session.task.map(self._flat_map).copy()}
-
     def _bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return (low, high) of the vector shown."""
         return bounds(len(ColonyParameters._fields), window=self._window)
 
     def _vector(self) -> NDArray[np.float32]:
-        return observe(self.session.task, self.session.trials, window=self._window)
-
-    def _facts(self) -> dict[str, Any]:
-        problem = self.session.problem
-        return {
-            "scenario": problem.scenario.name,
-            "seed": problem.seed,
-            "ants": problem.ants,
-            "iterations": problem.iterations,
-            "rules": problem.rules,
-        }
-
-    def _judged(self, parameters: Sequence[float], length: float) -> dict[str, Any]:
-        """Return the facts of a run with natural parameters and the length that it came to."""
-        problem = self.session.problem
-        return {
-            **self._facts(),
-            "length": min(length, COST_CAP * problem.scenario.straight_line),
-            "optimum": problem.scenario.optimum,
-            "gap": float(problem.gap(np.array([length]))[0]),
-            "solved": bool(np.isfinite(length)),
-            "parameters": named_values(problem.space, parameters),
-        }
-
-    def _natural(self, unit: tuple[float, ...]) -> list[float]:
-        return self.session.problem.space.decode(unit)[0].tolist()
-
-    def _pays(self, judged: Mapping[str, Any], default: Plans | None) -> float:
-        """Return the reward of a judged run, beside one of the published default where that counts."""
-        if self._reward == "length":
-            return -float(judged["length"])
-        gap = float(judged["gap"])
-        return -gap if default is None else float(self.session.problem.gap(default.lengths)[0]) - gap
+        """Return the vector to show, not to be written to."""
+        task = self.session.task
+        return observe(task, self.session.trials, window=self._window) if self._window else task.features
 
 
-def step_together(envs: Sequence[TuningEnv], actions: Sequence[ArrayLike]) -> list[Step]:
-    """Step environments of one regime: what they ask is one planner call, what judging them needs another."""
-    if not envs:
-        return []
-    outcomes = envs[0].spend([env.pay(action) for env, action in zip(envs, actions, strict=True)])
+def begin_together(
+    envs: Sequence[TuningEnv], seeds: Sequence[int | None], options: Mapping[str, Any] | None = None
+) -> tuple[Observation, Columns]:
+    """Begin an episode in environments of one kind; return what they show, one below the other, and infos.
+
+    Args:
+        envs: those to reset, at least one.
+        seeds: root seeds, see :meth:`TuningEnv.reset`.
+        options: of the reset, for all of them.
+    """
+    problems = envs[0]._problems
+    picked = _picked(options, len(problems))
+    episodes = [env._next(seed) for env, seed in zip(envs, seeds, strict=True)]
+    drawn = problems.draw(*zip(*episodes, strict=True))
+    for env, (root, episode), (index, seed) in zip(envs, episodes, drawn, strict=True):
+        env._session = env._begin(problems.at(index if picked is None else picked, seed))
+        env._root, env._episode = root, episode
+    return observed(envs), facts([env.session.problem for env in envs])
+
+
+def step_together(
+    envs: Sequence[TuningEnv], actions: Sequence[ArrayLike] | NDArray[np.float32]
+) -> tuple[Observation, list[float], list[bool], Columns]:
+    """Step environments of one kind: what they ask is one planner call, what judging them needs another.
+
+    Args:
+        envs: at least one, none of them over.
+        actions: one each.
+
+    Returns:
+        What they show, one below the other, rewards, whether episodes ended, and infos.
+
+    Raises:
+        ParameterError: on an action that is none, or where an episode is over (nothing is paid).
+    """
+    units = _units(envs, actions)
+    outcomes = envs[0].spend([(env.session, unit) for env, unit in zip(envs, units, strict=True)])
     requests = [env.judge(outcome) for env, outcome in zip(envs, outcomes, strict=True)]
     fresh = iter(run_together([request for request in requests if request is not None]))
     plans = [None if request is None else next(fresh) for request in requests]
-    return [env.conclude(*judged) for env, *judged in zip(envs, outcomes, plans, strict=True)]
+    verdicts = [env.conclude(*each) for env, *each in zip(envs, outcomes, plans, strict=True)]
+    problems = [env.session.problem for env in envs]
+    told = judged(problems, verdicts)
+    worth = worths(envs[0]._reward, problems, verdicts, told).tolist()
+    rewards = [env.pay_out(each) for env, each in zip(envs, worth, strict=True)]
+    return observed(envs), rewards, [env.over for env in envs], told
+
+
+def observed(envs: Sequence[TuningEnv]) -> Observation:
+    """Return the observations of environments of one kind, one below the other, in arrays of its own."""
+    vectors = [env._vector() for env in envs]
+    features = np.concatenate(vectors).reshape(len(vectors), -1)
+    flat = envs[0]._flat_map
+    if flat is None:
+        return features
+    return {"features": features, "map": np.stack([env.session.task.map(flat) for env in envs])}
+
+
+def _picked(options: Mapping[str, Any] | None, count: int) -> int | None:
+    """Return the index of the scenario that the options of a reset pick, None where they leave it to the draw."""
+    for name in options or ():
+        if name != "scenario":
+            raise ParameterError(f"unknown reset option {name!r}; valid: scenario")
+    if not options:
+        return None
+    chosen = options["scenario"]
+    if not isinstance(chosen, Integral) or not 0 <= int(chosen) < count:
+        raise ParameterError(f"scenario {chosen!r}: this split holds 0 to {count - 1}")
+    return int(chosen)
+
+
+def _units(
+    envs: Sequence[TuningEnv], actions: Sequence[ArrayLike] | NDArray[np.float32]
+) -> NDArray[np.float64]:
+    """Return what actions ask of the planner, a (1, d) setting each; charges nothing."""
+    if any([env.over for env in envs]):
+        raise ParameterError("the episode is over; call reset()")
+    space, values = envs[0].action_space, np.asarray(actions, dtype=np.float64)
+    fits = values.shape[1:] == space.shape
+    if not (fits and (np.abs(values) <= 1).all()):
+        bad = values[~(np.abs(values) <= 1).all(axis=1)] if fits else values
+        raise ParameterError(f"action {bad[0].tolist()} is no point of {space}")
+    return (values[:, None] + 1) / 2
 
 
 def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:
@@ -265,16 +276,3 @@ def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:
         return features
     picture = gymnasium.spaces.Box(0.0, 1.0, picture_shape(flat), np.float32)
     return gymnasium.spaces.Dict({"features": features, "map": picture})
-
-
-def _checked_effort(effort: Sequence[int], least_iterations: int) -> tuple[int, int]:
-    if not isinstance(effort, Sequence) or len(effort) != 2 or not all(map(is_count, effort)):
-        raise ParameterError(
-            f"effort = {effort!r}: needs (ants, iterations), two whole numbers of at least 1"
-        )
-    if effort[1] < least_iterations:
-        raise ParameterError(
-            f"effort = {effort!r}: needs (ants, iterations) with at least {least_iterations} iterations, for a run "
-            "is steered in blocks"
-        )
-    return int(effort[0]), int(effort[1])

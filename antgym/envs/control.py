@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.envs.base import Step, TuningEnv, documented
+from antgym.envs.base import TuningEnv
+from antgym.envs.manual import documented
+from antgym.envs.verdicts import Verdict
 from antgym.maps.suites import SuiteItem
 from antgym.planners.colony import Colony, Plans
 from antgym.tuning.features import feature_bounds
@@ -115,13 +117,17 @@ class ControlEnv(TuningEnv):
             return None
         return self.session.problem, np.full((1, len(outcome.units[0])), DEFAULT), FRESH, 0
 
-    def conclude(self, outcome: OpenTrial, fresh: Plans | None) -> Step:
-        """Pay for what the block gained."""
+    def conclude(self, outcome: OpenTrial, fresh: Plans | None) -> Verdict:
+        """Show the shortest path so far."""
         block = len(outcome.units)
         self.planner_runs += int(block == 1) + (0 if fresh is None else len(fresh))
-        info = {**self._judged(outcome.parameters, outcome.length), "block": block}
-        before, self._potential = self._potential, self._pays(info, fresh)
-        return self._observe(), self._potential - before, outcome.over, False, info
+        default = None if fresh is None else float(fresh.lengths[0])
+        return Verdict(outcome.units[-1], outcome.length, default, {"block": block}, outcome.parameters)
+
+    def pay_out(self, worth: float) -> float:
+        """Pay for what the block gained."""
+        before, self._potential = self._potential, worth
+        return worth - before
 
     def _begin(self, problem: TuningProblem) -> Session:
         buffers = None if self._session is None else self.trial.colony.release()

@@ -2,15 +2,29 @@
 
 import inspect
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
+from antgym.maps.features import feature_table
 from antgym.maps.recipes import SUITES
 from antgym.planners.rules import PAPERS
 from antgym.tuning.features import RULES_SHOWN
 
 _GAPS = ("uniform random", "published default", "SBS", "SBS by rule", "VBS")
+_Regime = TypeVar("_Regime", bound=type[Any])
+
+
+def documented(regime: _Regime) -> _Regime:
+    """Fill the tables of a regime's docstring in from what the environment itself reads."""
+    if regime.__doc__:  # python -OO strips it
+        tables = {
+            "actions": ranges_table(),
+            "observations": feature_table(regime.features),
+            "worlds": worlds_table(),
+        }
+        regime.__doc__ = inspect.cleandoc(regime.__doc__).format(**tables)
+    return regime
 
 
 def ranges_table(rules: Sequence[str] = RULES_SHOWN) -> str:

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from antgym.envs.base import Step, TuningEnv, documented
+from antgym.envs.base import TuningEnv
+from antgym.envs.manual import documented
+from antgym.envs.verdicts import Verdict
 from antgym.planners.colony import Plans
 from antgym.tuning.problem import FRESH, Request
 from antgym.tuning.session import Trial
@@ -95,8 +97,8 @@ class OneShotEnv(TuningEnv):
             return None
         return self.session.problem, np.full((1, len(outcome[0].unit)), 0.5), FRESH, 0
 
-    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Step:
+    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Verdict:
         """End the episode with the run's own length."""
         self.planner_runs += 1 if fresh is None else 2
-        info = self._judged(self._natural(outcome[-1].unit), self.session.lengths[-1])
-        return self._observe(), self._pays(info, fresh), True, False, info
+        default = None if fresh is None else float(fresh.lengths[0])
+        return Verdict(outcome[-1].unit, self.session.lengths[-1], default)

@@ -18,7 +18,10 @@ class OwnSuite(tuple[SuiteItem, ...]):
         return all(item.scenario.world.shape[2] == 1 for item in self)
 
 
-def find_items(suite: str | Sequence[SuiteItem], split: str) -> Suite | OwnSuite:
+Items = Suite | OwnSuite
+
+
+def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
     """Return the items that episodes are drawn from.
 
     Args:

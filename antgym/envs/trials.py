@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from antgym.envs.base import Step, TuningEnv, documented
+from antgym.envs.base import TuningEnv
+from antgym.envs.manual import documented
+from antgym.envs.verdicts import Verdict
 from antgym.errors import BudgetError, is_count
 from antgym.maps.suites import SuiteItem
 from antgym.planners.colony import Plans
@@ -91,11 +93,14 @@ class TrialsEnv(TuningEnv):
         units = [unit, (0.5,) * len(unit)] if self._reward == "improvement" else [unit]
         return self.session.problem, np.array(units), FRESH, 2 * (len(self.session.trials) - 1)
 
-    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Step:
-        """Pay for the incumbent's fresh run."""
+    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Verdict:
+        """Show the incumbent's fresh run."""
         assert fresh is not None
         self.planner_runs += 1 + len(fresh)
         unit, _ = incumbent(self.session.trials)
-        info = {**self._judged(self._natural(unit), float(fresh.lengths[0])), "cost": outcome[-1].cost}
-        reward = self._pays(info, fresh[1:] if len(fresh) > 1 else None) / self.session.task.budget
-        return self._observe(), reward, self.session.left == 0, False, info
+        default = float(fresh.lengths[1]) if len(fresh) > 1 else None
+        return Verdict(unit, float(fresh.lengths[0]), default, {"cost": outcome[-1].cost})
+
+    def pay_out(self, worth: float) -> float:
+        """Each step pays its share of the episode."""
+        return worth / self.session.task.budget

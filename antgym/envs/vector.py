@@ -1,24 +1,26 @@
 """The native batch: N environments whose planner runs are one call."""
 
-from collections.abc import Mapping, Sequence
-from itertools import chain
+from collections.abc import Sequence
+from copy import deepcopy
 from typing import Any, cast
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
+from gymnasium.vector.utils import batch_space, create_empty_array, iterate
 from numpy.typing import NDArray
 
-from antgym.envs.base import Observation, TuningEnv, step_together
+from antgym.envs.base import Observation, TuningEnv, begin_together, step_together
+from antgym.envs.infos import Columns, gathered, some
 from antgym.errors import ParameterError, nearest
+from antgym.tuning.seeding import child_states
 
 _SLOT = 7  # seed domain of the slots of a batch
 
 
 def env_seeds(root: int, count: int) -> list[int]:
     """Return the seeds with which the slots of a batch, each alone, repeat their trajectories; never root + i."""
-    children = (np.random.SeedSequence(root, spawn_key=(_SLOT, i)) for i in range(count))
-    return [int(child.generate_state(1, np.uint64)[0] >> 1) for child in children]
+    seeds: list[int] = (child_states([root] * count, [(_SLOT, i) for i in range(count)])[:, 0] >> 1).tolist()
+    return seeds
 
 
 class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
@@ -40,7 +42,7 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         self.single_observation_space = self.envs[0].observation_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self._shown: list[Observation] = list(iterate(self.observation_space, self._blank()))
+        self._shown: Any = create_empty_array(self.single_observation_space, self.num_envs)
         self._over = np.zeros(self.num_envs, bool)
 
     @property
@@ -67,8 +69,9 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             raise ParameterError(
                 f"{len(seeds)} seeds and a mask of {mask.shape} for {self.num_envs} environments"
             )
-        infos = {i: self._begin(i, seeds[i], options) for i in np.flatnonzero(mask).tolist()}
-        return self._observations(), self._gathered(infos)
+        slots = np.flatnonzero(mask)
+        told = self._begin(slots, [seeds[i] for i in slots.tolist()], options)
+        return self._observations(), self._gathered([(slots, told)])
 
     def step(
         self, actions: NDArray[np.float32]
@@ -81,60 +84,57 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             )
         if np.shape(actions) != self.action_space.shape:
             raise ParameterError(f"actions of shape {np.shape(actions)} for {self.num_envs} environments")
-        slots: list[int] = np.flatnonzero(~self._over).tolist()
-        outcomes = step_together([self.envs[i] for i in slots], [actions[i] for i in slots])
-        infos = {i: self._begin(i) for i in np.flatnonzero(self._over).tolist()}
-        for i, (observation, reward, over, _, info) in zip(slots, outcomes, strict=True):
-            rewards[i], ends[i] = reward, over
-            if over and self.mode is AutoresetMode.SAME_STEP:
-                infos[i] = {"final_obs": observation, "final_info": info, **self._begin(i)}
+        anew, slots = np.flatnonzero(self._over), np.flatnonzero(~self._over)
+        parts: list[tuple[NDArray[np.intp], Columns]] = []
+        if len(slots):
+            envs, asked = [self.envs[i] for i in slots.tolist()], np.asarray(actions)[slots]
+            shown, rewards[slots], ends[slots], told = step_together(envs, asked)
+            self._show(slots, shown)
+            if (
+                self.mode is AutoresetMode.SAME_STEP
+            ):  # no slot was waiting, so slots are places in what is told
+                anew, slots = np.flatnonzero(ends), np.flatnonzero(~ends)
+                last = {"final_obs": list(iterate(self.observation_space, shown)), "final_info": told}
+                parts = [(anew, some(last, anew)), (slots, some(told, slots))]
             else:
-                infos[i], self._shown[i], self._over[i] = info, observation, over
-        return self._observations(), rewards, ends, np.zeros(self.num_envs, bool), self._gathered(infos)
+                self._over[slots] = ends[slots]
+                parts = [(slots, told)]
+        parts.append((anew, self._begin(anew)))
+        return self._observations(), rewards, ends, np.zeros(self.num_envs, bool), self._gathered(parts)
 
     def render(self) -> tuple[Any, ...]:
         """Return the pictures of all slots."""
         return tuple(env.render() for env in self.envs)
 
     def _begin(
-        self, i: int, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> dict[str, Any]:
-        self._shown[i], info = self.envs[i].reset(seed=seed, options=options)
-        self._over[i] = False
-        return info
+        self,
+        slots: NDArray[np.intp],
+        seeds: Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> Columns:
+        """Begin an episode in some slots and return its infos."""
+        if not len(slots):
+            return {}
+        envs = [self.envs[i] for i in slots.tolist()]
+        shown, told = begin_together(envs, seeds or [None] * len(envs), options)
+        self._show(slots, shown)
+        self._over[slots] = False
+        return told
 
-    def _gathered(self, infos: Mapping[int, Mapping[str, Any]]) -> dict[str, Any]:
-        """Return the infos of some slots as arrays over all, each beside its mask, as Gymnasium lays them out."""
-        batch: dict[str, Any] = {}
-        for key in dict.fromkeys(chain.from_iterable(infos.values())):
-            slots = [i for i, info in infos.items() if key in info]
-            mask = np.zeros(self.num_envs, bool)
-            mask[slots] = True
-            batch[key], batch[f"_{key}"] = self._column(key, slots, [infos[i][key] for i in slots]), mask
-        return batch
-
-    def _column(self, key: str, slots: list[int], values: list[Any]) -> Any:
-        kind = type(values[0])
-        if kind is dict and key != "final_obs":
-            return self._gathered(dict(zip(slots, values, strict=True)))
-        plain = kind in (int, float, bool)
-        column: NDArray[Any] = (
-            np.zeros(self.num_envs, kind) if plain else np.full(self.num_envs, None, object)
-        )
-        if plain:
-            column[slots] = values
+    def _show(self, slots: NDArray[np.intp], observations: Any) -> None:
+        """Keep what some slots show."""
+        if isinstance(self._shown, dict):
+            for name, part in self._shown.items():
+                part[slots] = observations[name]
         else:
-            for i, value in zip(slots, values, strict=True):
-                column[i] = value
-        return column
+            self._shown[slots] = observations
+
+    def _gathered(self, parts: Sequence[tuple[NDArray[np.intp], Columns]]) -> dict[str, Any]:
+        return gathered(self.num_envs, parts)
 
     def _observations(self) -> Observation:
         """Return what all slots show, in arrays of its own."""
-        batch = concatenate(self.single_observation_space, self._shown, self._blank())
-        return cast("Observation", batch)
-
-    def _blank(self) -> Any:
-        return create_empty_array(self.single_observation_space, self.num_envs)
+        return cast("Observation", deepcopy(self._shown))
 
 
 def _slot_seeds(

@@ -70,6 +70,12 @@ class Motion:
 
 
 LAYERED = Motion()
+MOTIONS = (
+    LAYERED,
+    Motion(check_segments=False),
+    *(Motion(name, corners=rule) for name in list(CORNERS)[1:] for rule in CORNERS[name]),
+)
+"""Every motion rule that there is."""
 
 
 class MoveTable(NamedTuple):

@@ -1,8 +1,10 @@
 """A batch: planner runs checked once and packed for the kernel, and what it writes, as plans."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,9 +13,10 @@ from antgym.errors import ParameterError
 from antgym.kernels import layout
 from antgym.kernels.ants import plan_range
 from antgym.kernels.layout import RUN, Ground, History
-from antgym.maps.motion import REACH, Motion, move_table
-from antgym.maps.world import PAD, GridWorld, Scenario
+from antgym.maps.motion import MOTIONS, REACH, move_table
+from antgym.maps.world import PAD, Scenario
 from antgym.planners.buffers import Workspace, grown
+from antgym.planners.ground import pack
 from antgym.planners.parameters import check_parameters
 from antgym.planners.rules import TRAPS, Rules, find_rules
 
@@ -22,6 +25,8 @@ _RECORD = np.dtype(
     (np.record, RUN)
 )  # interpreted kernels read fields by name, and an array of its own type is slow
 _FIRST_CELLS = 64  # of a path; a range of runs that finds longer ones gets room for more
+_ROWS: WeakKeyDictionary[Scenario, dict[str | Rules, bytes]] = WeakKeyDictionary()
+"""Records of RUN made before, as long as their scenario is in use."""
 MOST_EFFORT = 1_000_000  # ants, or iterations
 
 
@@ -83,12 +88,11 @@ class Batch:
     ) -> "Batch":
         """Check everything once and pack it."""
         count = len(scenarios)
-        each = _each_rules(rules, count)
-        runs = np.zeros(count, _RECORD)
-        ground = _pack(scenarios, each, runs)
-        motions = list(dict.fromkeys(s.motion for s in scenarios))
-        _write_scenarios(runs, scenarios, motions)
-        _write_rules(runs, scenarios, each)
+        asked = _each_rules(rules, count)
+        found = {rule: find_rules(rule) for rule in dict.fromkeys(asked)}
+        each = [found[rule] for rule in asked]
+        runs = _rows(scenarios, asked, each)
+        ground = pack([scenario.world for scenario in scenarios], runs["z3"] > 0, runs)
         for name, values in (("ants", ants), ("iterations", iterations)):
             runs[name] = _effort(name, values, count)
         runs["key"] = _keys(seeds, count)
@@ -103,7 +107,7 @@ class Batch:
             scenarios,
             ground,
             runs,
-            _tables(motions),
+            _tables(),
             History(np.empty(total), np.empty(total), np.empty(total, np.int64)),
             offsets=ends - runs["iterations"],
             lengths=np.full(count, np.inf),
@@ -155,12 +159,12 @@ class Batch:
         )
 
 
-def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[Rules]:
+def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[str | Rules]:
     if isinstance(rules, (str, Rules)):
-        return [find_rules(rules)] * count
+        return [rules] * count
     if len(rules) != count:
         raise ParameterError(f"{len(rules)} rules for {count} scenarios; give one, or one each")
-    return [find_rules(rule) for rule in rules]
+    return list(rules)
 
 
 def _effort(name: str, values: int | Sequence[int], count: int) -> NDArray[np.int64]:
@@ -173,46 +177,21 @@ def _effort(name: str, values: int | Sequence[int], count: int) -> NDArray[np.in
 
 
 def _keys(seeds: ArrayLike, count: int) -> NDArray[np.uint64]:
-    values = np.asarray(seeds, dtype=object).ravel()
-    if len(values) != count:
-        raise ParameterError(f"{len(values)} seeds for {count} scenarios")
-    for seed in values:
-        if not isinstance(seed, int | np.integer) or not 0 <= seed < 1 << 64:
-            raise ParameterError(f"seed = {seed!r}: must be a whole number in [0, 2^64)")
-    return values.astype(np.uint64)
+    values = np.asarray(seeds)
+    if len(values.ravel()) != count:
+        raise ParameterError(f"{values.size} seeds for {count} scenarios")
+    if values.dtype != np.uint64:
+        for seed in np.asarray(seeds, dtype=object).ravel():
+            if not isinstance(seed, int | np.integer) or not 0 <= seed < 1 << 64:
+                raise ParameterError(f"seed = {seed!r}: must be a whole number in [0, 2^64)")
+    return np.asarray(seeds, dtype=np.uint64).ravel()
 
 
-def _pack(scenarios: list[Scenario], rules: list[Rules], runs: Any) -> Ground:
-    """Lay worlds one behind the other, each once, and write where each begins; a single one is used where it lies."""
-    worlds = [scenario.world for scenario in scenarios]
-    bits, bytes_before = _laid_out(worlds, [True] * len(worlds), lambda world: world.bits, np.uint8)
-    wary = [rule.z3 > 0 for rule in rules]
-    clearance, places = _laid_out(worlds, wary, lambda world: world.clearance, np.float32)
-    runs["origin"] = 8 * bytes_before
-    runs["clear_shift"] = places - runs["origin"]
-    return Ground(bits, clearance)
-
-
-def _laid_out(
-    worlds: list[GridWorld], wanted: list[bool], array_of: Callable[[GridWorld], NDArray[Any]], dtype: type
-) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    bases: dict[int, int] = {}
-    parts: list[NDArray[Any]] = []
-    size = 0
-    for world, want in zip(worlds, wanted, strict=True):
-        if want and id(world) not in bases:
-            bases[id(world)] = size
-            parts.append(array_of(world).reshape(-1))
-            size += parts[-1].size
-    flat = parts[0] if len(parts) == 1 else np.concatenate(parts or [np.empty(0, dtype)])
-    flat.setflags(write=False)  # as a world's own cells are: one type, one compilation
-    return flat, np.array([bases.get(id(world), 0) for world in worlds], dtype=np.int64)
-
-
-def _tables(motions: list[Motion]) -> NDArray[np.int64]:
+@cache
+def _tables() -> NDArray[np.int64]:
     """Return (t, PARTS, WIDTH, 3): steps, required cells and either cells of every motion, padded with zeros."""
-    tables = np.zeros((len(motions), layout.PARTS, layout.WIDTH, 3), np.int64)
-    for padded, table in zip(tables, map(move_table, motions), strict=True):
+    tables = np.zeros((len(MOTIONS), layout.PARTS, layout.WIDTH, 3), np.int64)
+    for padded, table in zip(tables, map(move_table, MOTIONS), strict=True):
         count, required = table.required.shape[:2]
         padded[layout.STEP, :count] = table.steps
         padded[layout.REQUIRED : layout.REQUIRED + required, :count] = table.required.swapaxes(0, 1)
@@ -220,54 +199,68 @@ def _tables(motions: list[Motion]) -> NDArray[np.int64]:
     return tables
 
 
-def _write_scenarios(runs: Any, scenarios: list[Scenario], motions: list[Motion]) -> None:
-    names = (
-        *("stride_x", "stride_y", "start_x", "start_y", "start_z", "goal_x", "goal_y", "goal_z", "layers"),
-        *("cells", "table", "slots", "crossed"),
-    )
-    shapes = {motion: move_table(motion).required.shape[:2] for motion in motions}
-    places = [(*_places(s), s.world.size, motions.index(s.motion), *shapes[s.motion]) for s in scenarios]
-    for name, column in zip(names, np.array(places, dtype=np.int64).reshape(-1, len(names)).T, strict=True):
-        runs[name] = column
-    cells = np.array([s.world.cell for s in scenarios]).reshape(-1, 3)
-    for name, column in zip(("cell_x", "cell_y", "cell_z"), cells.T, strict=True):
-        runs[name] = column
-    runs["width"] = -(-runs["slots"] // layout.LANES) * layout.LANES
-    runs["reach"] = REACH
-    runs["layered"] = [s.motion.layered for s in scenarios]
-    runs["either"] = [s.motion.corners == "one" for s in scenarios]
+def _rows(scenarios: list[Scenario], asked: list[str | Rules], rules: list[Rules]) -> Any:
+    """Return (B,) records of RUN with all that follows from a scenario and its rules; they come again and again."""
+    parts = []
+    for scenario, name, rule in zip(scenarios, asked, rules, strict=True):
+        known = _ROWS.get(scenario)
+        if known is None:
+            known = _ROWS[scenario] = {}
+        row = known.get(name)
+        if row is None:
+            row = known[name] = _row(scenario, rule)
+        parts.append(row)
+    return np.frombuffer(bytearray().join(parts), _RECORD)
 
 
-def _places(scenario: Scenario) -> tuple[int, ...]:
-    stride_x, stride_y, _ = scenario.world.strides
+def _row(scenario: Scenario, rules: Rules) -> bytes:
+    run = np.zeros(1, _RECORD)
+    for name, value in {**_of_scenario(scenario), **_of_rules(rules)}.items():
+        run[name] = value
+    edge, (least, most) = min(scenario.world.cell), rules.clearance
+    run["nearest_goal"], run["ramp_from"], run["ramp_over"] = edge, least * edge, (most - least) * edge
+    run["mean_move"] = scenario.mean_move if rules.initial == "degree" else 1.0
+    run["roams"] = ~run["layered"] | (run["trap"] == layout.RETREAT)
+    run["linked"] = run["roams"] | run["on_nodes"]
+    run["censused"] = run["per_edge"] | run["by_degree"]
+    return run.tobytes()
+
+
+def _of_scenario(scenario: Scenario) -> dict[str, float]:
+    motion, world = scenario.motion, scenario.world
+    slots, crossed = move_table(motion).required.shape[:2]
     ends = (index + PAD for cell in (scenario.start, scenario.goal) for index in cell)
-    return stride_x, stride_y, *ends, scenario.layers if scenario.motion.layered else 0
+    cells = zip(("start_x", "start_y", "start_z", "goal_x", "goal_y", "goal_z"), ends, strict=True)
+    edges = zip(("cell_x", "cell_y", "cell_z"), world.cell, strict=True)
+    return {
+        **dict(zip(("stride_x", "stride_y"), world.strides, strict=False)),
+        **dict(cells),
+        **dict(edges),
+        "layers": scenario.layers if motion.layered else 0,
+        "cells": world.size,
+        "table": MOTIONS.index(motion),
+        "slots": slots,
+        "crossed": crossed,
+        "width": -(-slots // layout.LANES) * layout.LANES,
+        "reach": REACH,
+        "layered": motion.layered,
+        "either": motion.corners == "one",
+    }
 
 
-def _write_rules(runs: Any, scenarios: list[Scenario], rules: list[Rules]) -> None:
-    runs["step_share"] = [rule.target != "start" for rule in rules]
-    runs["distance_share"] = [rule.target != "current" for rule in rules]
-    runs["to_goal"] = [rule.target == "goal" for rule in rules]
-    runs["plain"] = [rule.greedy == "plain" for rule in rules]
-    runs["trap"] = [TRAPS.index(rule.trap) for rule in rules]
-    runs["per_edge"] = [rule.deposit == "edge" for rule in rules]
-    runs["by_degree"] = [rule.initial == "degree" for rule in rules]
-    runs["on_nodes"] = [rule.pheromone_on == "node" for rule in rules]
-    for name in ("w1", "w2", "z2", "z3", "q0", "ranked", "elite", "local", "local_to", "limits", "best_only"):
-        runs[name] = [getattr(rule, name) for rule in rules]
-    for name in ("clipped", "selective"):
-        runs[name] = [getattr(rule, name) for rule in rules]
-    edges = np.array([min(s.world.cell) for s in scenarios])
-    ramps = np.array([rule.clearance for rule in rules]).reshape(-1, 2)
-    runs["nearest_goal"], runs["ramp_from"] = edges, ramps[:, 0] * edges
-    runs["ramp_over"] = (ramps[:, 1] - ramps[:, 0]) * edges
-    runs["mean_move"] = [
-        scenario.mean_move if rule.initial == "degree" else 1.0
-        for scenario, rule in zip(scenarios, rules, strict=True)
-    ]
-    runs["roams"] = ~runs["layered"] | (runs["trap"] == layout.RETREAT)
-    runs["linked"] = runs["roams"] | runs["on_nodes"]
-    runs["censused"] = runs["per_edge"] | runs["by_degree"]
+def _of_rules(rules: Rules) -> dict[str, float]:
+    plain = ("w1", "w2", "z2", "z3", "q0", "ranked", "elite", "local", "local_to", "limits", "best_only")
+    return {
+        **{name: getattr(rules, name) for name in (*plain, "clipped", "selective")},
+        "step_share": rules.target != "start",
+        "distance_share": rules.target != "current",
+        "to_goal": rules.target == "goal",
+        "plain": rules.greedy == "plain",
+        "trap": TRAPS.index(rules.trap),
+        "per_edge": rules.deposit == "edge",
+        "by_degree": rules.initial == "degree",
+        "on_nodes": rules.pheromone_on == "node",
+    }
 
 
 def write_parameters(runs: Any, values: NDArray[np.float64], rules: list[Rules]) -> None:

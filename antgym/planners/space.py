@@ -75,6 +75,11 @@ class ParameterSpace:
         return np.stack([_knots(p) for p in self.parameters], axis=1)
 
     @cached_property
+    def _frame(self) -> Floats:
+        """Knots and values, (2, 3, d)."""
+        return np.stack([self._knots, self._values])
+
+    @cached_property
     def _scales(self) -> tuple[str, ...]:
         return tuple(p.scale for p in self.parameters)
 
@@ -106,7 +111,7 @@ class ParameterSpace:
 
     def decode(self, units: ArrayLike) -> Floats:
         """Map (k, d) settings in [0, 1] to natural values, (k, d) float64."""
-        return _decoded(self.check(units), self._knots, self._values, self._columns)
+        return _decoded(self.check(units), self._frame, self._columns)
 
     def encode(self, naturals: ArrayLike) -> Floats:
         """Map natural values (k, d) to [0, 1]; ParameterError naming a value outside its range."""
@@ -150,16 +155,26 @@ class ParameterSpace:
         return "\n".join(rows)
 
 
+def check_together(spaces: Sequence[ParameterSpace], units: Sequence[ArrayLike]) -> list[Floats]:
+    """Return what the ``check`` of each space makes of its own (k, d) settings."""
+    arrays = [np.asarray(each, dtype=np.float64) for each in units]
+    widths, shapes = {len(space.parameters) for space in spaces}, {array.shape[1:] for array in arrays}
+    if len(widths) == 1 and shapes == {tuple(widths)}:
+        values = np.concatenate(arrays)
+        if ((values >= 0) & (values <= 1)).all():
+            return arrays
+    return [space.check(array) for space, array in zip(spaces, arrays, strict=True)]
+
+
 def decode_together(spaces: Sequence[ParameterSpace], units: Floats) -> Floats:
     """Return what each space makes of its own row of (k, d) checked settings, (k, d) natural values."""
     first = spaces[0]
     if all(space is first for space in spaces):
-        return _decoded(units, first._knots, first._values, first._columns)
+        return _decoded(units, first._frame, first._columns)
     if any(space._scales != first._scales for space in spaces):
         return np.concatenate([space.decode(unit) for space, unit in zip(spaces, units, strict=True)])
-    knots = np.stack([space._knots for space in spaces], axis=1)
-    values = np.stack([space._values for space in spaces], axis=1)
-    return _decoded(units, knots, values, first._columns)
+    frames = np.concatenate([space._frame for space in spaces]).reshape(len(spaces), *first._frame.shape)
+    return _decoded(units, frames.transpose(1, 2, 0, 3), first._columns)
 
 
 def named_values(space: ParameterSpace, values: Sequence[float]) -> dict[str, float]:
@@ -167,8 +182,9 @@ def named_values(space: ParameterSpace, values: Sequence[float]) -> dict[str, fl
     return {name: float(value) for name, value in zip(space.names, values, strict=True)}
 
 
-def _decoded(array: Floats, knots: Floats, values: Floats, columns: dict[str, NDArray[np.intp]]) -> Floats:
-    """Map (k, d) settings to natural values between low, default and high, (3, d) or (3, k, d)."""
+def _decoded(array: Floats, frame: Floats, columns: dict[str, NDArray[np.intp]]) -> Floats:
+    """Map (k, d) settings to natural values within a frame, (2, 3, d) or (2, 3, k, d)."""
+    knots, values = frame
     upper = array >= 0.5
     share = 2 * array - upper  # of the way from one knot to the next
     low, default, high = knots

@@ -1,8 +1,10 @@
 """A tuning problem, as the harness holds it, and the task, which is all of it that an agent may see."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,8 +78,7 @@ class TuningProblem:
         if motion.layered and motion.check_segments and not rules.check_segments:
             loose = self.scenario.with_motion(replace(motion, check_segments=False))
             object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
-        if not isinstance(self.seed, int) or not 0 <= self.seed < SEED_LIMIT:
-            raise ParameterError(f"seed = {self.seed!r}: a whole number from 0 to 2^128 - 1 is needed")
+        _require_seed(self.seed)
         for name in ("ants", "iterations"):
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= MOST_EFFORT:
@@ -91,14 +92,33 @@ class TuningProblem:
         rules = find_rules(self.rules)
         return rules.ranges.space(self.scenario.straight_line, rules.initial_pheromone)
 
+    def seeded(self, seed: int) -> "TuningProblem":
+        """Return the same problem under another seed; the two share space and tasks."""
+        _require_seed(seed)
+        _ = self.space, self._tasks  # made now, so that they are shared
+        other = object.__new__(TuningProblem)
+        other.__dict__.update(self.__dict__)  # which is checked already
+        other.__dict__["seed"] = seed
+        return other
+
+    @cached_property
+    def _tasks(self) -> dict[int, Task]:
+        """Tasks by budget; what an agent may see does not depend on the seed."""
+        return {}
+
     def task(self, budget: int) -> Task:
         """Return what an agent may see; BudgetError where the budget is no whole number from 0 on."""
         if budget != 0 and not is_count(budget):
             raise BudgetError(
                 f"budget = {budget!r}: must be 0 (zero-shot) or the number of trials to pay for"
             )
-        features = task_features(self.scenario, self.ants, self.iterations, self.rules)
-        return Task(self.space, features, self.ants, self.iterations, budget, self.scenario.chart)
+        task = self._tasks.get(budget)
+        if task is None:
+            features = task_features(self.scenario, self.ants, self.iterations, self.rules)
+            features.setflags(write=False)  # many sessions share it
+            task = Task(self.space, features, self.ants, self.iterations, budget, self.scenario.chart)
+            self._tasks[budget] = task
+        return task
 
     def seeds(self, domain: int, first: int, count: int) -> NDArray[np.uint64]:
         """Return planner seeds, a pure function of (seed, domain, index), by SeedSequence children."""
@@ -114,41 +134,78 @@ class TuningProblem:
         return self.run(np.repeat(self.space.check(unit), count, axis=0), FRESH, 0)
 
     def cost(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return length / straight-line distance, COST_CAP at most and where there is no path."""
-        return np.minimum(lengths / self.scenario.straight_line, COST_CAP)
+        """Return the :func:`costs` of some runs of this problem."""
+        return costs([self] * len(lengths), lengths)
 
     def gap(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (length - optimum) / optimum, GAP_CAP at most and where there is no path.
+        """Return the :func:`gaps` of some runs of this problem."""
+        return gaps([self] * len(lengths), lengths)
 
-        Raises:
-            AssertionError: on a length below the exact optimum, which would be a bug of the planner.
-        """
-        optimum = self.scenario.optimum
-        if (lengths < optimum).any():
-            raise AssertionError(
-                f"{self.scenario.name}: length {lengths.min()} below the exact optimum {optimum}"
-            )
-        return np.minimum(lengths / optimum - 1.0, GAP_CAP)
+
+def _require_seed(seed: int) -> None:
+    if not isinstance(seed, int) or not 0 <= seed < SEED_LIMIT:
+        raise ParameterError(f"seed = {seed!r}: a whole number from 0 to 2^128 - 1 is needed")
 
 
 Request = tuple[TuningProblem, NDArray[np.float64], int, int]
 """(problem, (k, d) settings, seed domain, index of the first seed)"""
 
 
-def run_together(requests: list[Request]) -> list[Plans]:
-    """Run the settings of several problems in one planner call; the only caller of the planner above it."""
-    counts = [len(units) for _, units, _, _ in requests]
-    problems = [p for (p, _, _, _), count in zip(requests, counts, strict=True) for _ in range(count)]
-    if not problems:
+class Runs(NamedTuple):
+    """Planner runs that several problems ask for.
+
+    Attributes:
+        problems: n of them, one a run.
+        units: (n, d) settings.
+        keys: seed domain of each, and its index among the runs of its problem.
+    """
+
+    problems: list[TuningProblem]
+    units: NDArray[np.float64]
+    keys: list[tuple[int, int]]
+
+    @classmethod
+    def of(cls, requests: Sequence[Request]) -> "Runs":
+        """Lay at least one request's runs out, one after the other."""
+        problems = [problem for problem, units, _, _ in requests for _ in range(len(units))]
+        keys = [(domain, first + i) for _, units, domain, first in requests for i in range(len(units))]
+        return cls(problems, np.concatenate([units for _, units, _, _ in requests]), keys)
+
+    def plan(self) -> Plans:
+        """Run them in one planner call; the only caller of the planner above it."""
+        problems = self.problems
+        return plan_many(
+            [p.scenario for p in problems],
+            decode_together([p.space for p in problems], self.units),
+            rules=[p.rules for p in problems],
+            ants=[p.ants for p in problems],
+            iterations=[p.iterations for p in problems],
+            seeds=child_states([p.seed for p in problems], self.keys)[:, 0],
+        )
+
+
+def run_together(requests: Sequence[Request]) -> list[Plans]:
+    """Run the settings of several problems in one planner call."""
+    if not any(len(units) for _, units, _, _ in requests):
         return []
-    keys = [(domain, first + i) for _, units, domain, first in requests for i in range(len(units))]
-    plans = plan_many(
-        [p.scenario for p in problems],
-        decode_together([p.space for p in problems], np.concatenate([units for _, units, _, _ in requests])),
-        rules=[p.rules for p in problems],
-        ants=[p.ants for p in problems],
-        iterations=[p.iterations for p in problems],
-        seeds=child_states([p.seed for p in problems], keys)[:, 0],
-    )
-    ends = np.cumsum(counts)
-    return [plans[end - count : end] for count, end in zip(counts, ends, strict=True)]
+    plans, ends = Runs.of(requests).plan(), accumulate(len(units) for _, units, _, _ in requests)
+    return [plans[end - len(units) : end] for (_, units, _, _), end in zip(requests, ends, strict=True)]
+
+
+def costs(problems: Sequence[TuningProblem], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return length / straight-line distance, each of its own problem; COST_CAP at most and where there is no path."""
+    return np.minimum(lengths / [problem.scenario.straight_line for problem in problems], COST_CAP)
+
+
+def gaps(problems: Sequence[TuningProblem], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (length - optimum) / optimum, each of its own problem; GAP_CAP at most and where there is no path.
+
+    Raises:
+        AssertionError: on a length below the exact optimum, which would be a bug of the planner.
+    """
+    optima = np.array([problem.scenario.optimum for problem in problems])
+    below = np.flatnonzero(lengths < optima)
+    if len(below):
+        name, optimum = problems[below[0]].scenario.name, optima[below[0]]
+        raise AssertionError(f"{name}: length {lengths[below[0]]} below the exact optimum {optimum}")
+    return np.minimum(lengths / optima - 1.0, GAP_CAP)

@@ -16,6 +16,7 @@ SEED_LIMIT = 1 << 32 * _POOL
 _INIT_A, _MULT_A, _INIT_B, _MULT_B = 0x43B0D7E5, 0x931E8875, 0x8B51F9DD, 0x58F38DED
 _MIX_LEFT, _MIX_RIGHT = np.uint32(0xCA01F9DD), np.uint32(0x4973F715)
 _SHIFT, _MASK = np.uint32(16), 0xFFFFFFFF
+_OTHERS = [[word for word in range(_POOL) if word != source] for source in range(_POOL)]
 Words = NDArray[np.uint32]
 
 
@@ -25,10 +26,14 @@ class _Hash:
     def __init__(self, first: int, factor: int) -> None:
         self._constant, self._factor = first, factor
 
-    def __call__(self, words: Words) -> Words:
-        before = np.uint32(self._constant)
-        self._constant = self._constant * self._factor & _MASK
-        mixed = (words ^ before) * np.uint32(self._constant)
+    def __call__(self, words: Words, times: int) -> Words:
+        """Return ``times`` rows of hashes, of as many rows of words or of the same one."""
+        constants = [self._constant]
+        for _ in range(times):
+            constants.append(constants[-1] * self._factor & _MASK)
+        self._constant = constants[-1]
+        column = np.array(constants, dtype=np.uint32)[:, None]
+        mixed = (words ^ column[:-1]) * column[1:]
         return mixed ^ (mixed >> _SHIFT)
 
 
@@ -36,20 +41,19 @@ def child_states(seeds: Sequence[int], keys: ArrayLike, count: int = 1) -> NDArr
     """Return (B, count) uint64: row i is ``SeedSequence(seeds[i], spawn_key=keys[i]).generate_state(count, uint64)``.
 
     Args:
-        seeds: B whole numbers in [0, 2^128).
+        seeds: B whole numbers; quick below 2^128.
         keys: (B, m) whole numbers in [0, 2^32), m ≥ 1.
         count: words of 64 bits.
     """
     if not seeds:
         return np.empty((0, count), np.uint64)
-    if len(seeds) < _FEW:
+    if (
+        len(seeds) < _FEW or not 0 <= min(seeds) <= max(seeds) < SEED_LIMIT
+    ):  # larger ones are more words to mix in
         return _one_by_one(seeds, keys, count)
     pool = _pool(_entropy(seeds, np.atleast_2d(np.asarray(keys, dtype=np.uint32))))
-    stream = _Hash(_INIT_B, _MULT_B)
-    words = [stream(pool[i % _POOL]).astype(np.uint64) for i in range(2 * count)]
-    return np.stack(
-        [low | high << np.uint64(32) for low, high in zip(words[::2], words[1::2], strict=True)], axis=1
-    )
+    words = _Hash(_INIT_B, _MULT_B)(pool[np.arange(2 * count) % _POOL], 2 * count).astype(np.uint64)
+    return (words[::2] | words[1::2] << np.uint64(32)).T
 
 
 def _one_by_one(seeds: Sequence[int], keys: ArrayLike, count: int) -> NDArray[np.uint64]:
@@ -62,22 +66,20 @@ def _one_by_one(seeds: Sequence[int], keys: ArrayLike, count: int) -> NDArray[np
     return np.array(states, dtype=np.uint64)
 
 
-def _entropy(seeds: Sequence[int], keys: Words) -> list[Words]:
-    """Return the words that are mixed in: four of the seed, then the key's."""
-    parts = np.array([[seed >> 32 * i & _MASK for i in range(_POOL)] for seed in seeds], dtype=np.uint32)
-    return [*parts.reshape(-1, _POOL).T, *keys.T]
+def _entropy(seeds: Sequence[int], keys: Words) -> Words:
+    """Return the words that are mixed in, a row each: four of the seed, then the key's."""
+    packed = b"".join([seed.to_bytes(4 * _POOL, "little") for seed in seeds])
+    return np.concatenate([np.frombuffer(packed, dtype="<u4").reshape(-1, _POOL), keys], axis=1).T.copy()
 
 
-def _pool(entropy: list[Words]) -> list[Words]:
+def _pool(entropy: Words) -> Words:
     stream = _Hash(_INIT_A, _MULT_A)
-    pool = [stream(words) for words in entropy[:_POOL]]
+    pool = stream(entropy[:_POOL], _POOL)
     for source in range(_POOL):
-        for target in range(_POOL):
-            if source != target:
-                pool[target] = _mix(pool[target], stream(pool[source]))
+        others = _OTHERS[source]
+        pool[others] = _mix(pool[others], stream(pool[source], _POOL - 1))
     for words in entropy[_POOL:]:
-        for target in range(_POOL):
-            pool[target] = _mix(pool[target], stream(words))
+        pool = _mix(pool, stream(words, _POOL))
     return pool
 
 

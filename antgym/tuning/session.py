@@ -1,6 +1,7 @@
 """Sessions: the only place where planner effort is spent, and the one evaluation counter."""
 
 from collections.abc import Iterable, Sequence
+from itertools import islice
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -8,10 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import BudgetError, LedgerError, ParameterError, is_count
 from antgym.planners.buffers import Buffers
-from antgym.planners.colony import Plans
-from antgym.planners.space import decode_together
+from antgym.planners.space import check_together, decode_together
 from antgym.tuning.open_trial import OpenTrial, walk_together
-from antgym.tuning.problem import TRIAL, Task, TuningProblem, run_together
+from antgym.tuning.problem import TRIAL, Request, Runs, Task, TuningProblem, costs
 
 
 class Trial(NamedTuple):
@@ -72,13 +72,13 @@ class Budget:
         """Raise BudgetError where ``wanted`` is nothing or nothing is left."""
         if wanted < 1:
             raise BudgetError("an empty batch of settings was asked for; ask for at least one")
-        if self.left == 0:
+        if self.spent == self.total:
             raise BudgetError(f"all {self.total} trials are spent; stop when session.left is 0")
 
     def charge(self, wanted: int) -> int:
         """Spend up to ``wanted`` trials and return how many."""
         self.check(wanted)
-        granted = min(wanted, self.left)
+        granted = min(wanted, self.total - self.spent)
         self.spent += granted
         return granted
 
@@ -92,8 +92,6 @@ class Session:
         journal: a ledger's run; recorded trials are fed back instead of being run again.
 
     Attributes:
-        trials: what was paid for so far.
-        lengths: their path lengths in world units, inf where there was no path; the harness's, not the agent's.
         opened: the trial that was opened last, under way or over; None where none was.
     """
 
@@ -101,8 +99,7 @@ class Session:
         self._budget = Budget(budget)
         self.problem = problem
         self.task: Task = problem.task(self._budget.total)
-        self.trials: tuple[Trial, ...] = ()
-        self.lengths: tuple[float, ...] = ()
+        self._records: list[Record] = []
         self.opened: OpenTrial | None = None
         self._journal = journal
 
@@ -110,6 +107,16 @@ class Session:
     def left(self) -> int:
         """Trials that can still be paid for."""
         return self._budget.left
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """What was paid for so far."""
+        return tuple([record.trial for record in self._records])
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Path lengths of the trials in world units, inf where there was no path; the harness's, not the agent's."""
+        return tuple([record.length for record in self._records])
 
     def evaluate(self, units: ArrayLike) -> tuple[Trial, ...]:
         """Pay for settings and return their trials.
@@ -139,7 +146,7 @@ class Session:
         """
         self._require_nothing_under_way()
         self._budget.check(1)
-        self.opened = OpenTrial(self.problem, len(self.trials), blocks, buffers)
+        self.opened = OpenTrial(self.problem, len(self._records), blocks, buffers)
         self._budget.charge(1)
         return self.opened
 
@@ -167,20 +174,19 @@ class Session:
                 raise LedgerError(
                     f"steered again, trial {trial.index} comes to {record}, not to {kept} as before"
                 )
-        self.trials += (record.trial,)
-        self.lengths += (record.length,)
+        self._records.append(record)
 
-    def _check(self, units: ArrayLike) -> NDArray[np.float64]:
-        """Return a batch that can be paid for; charges nothing."""
+    def _check(self, wanted: int) -> None:
+        """Raise unless this number of trials can be asked for; charges nothing."""
         self._require_nothing_under_way()
-        batch = self.problem.space.check(units)
-        self._budget.check(len(batch))
-        return batch
+        self._budget.check(wanted)
 
-    def _claim(self, batch: NDArray[np.float64]) -> tuple[NDArray[np.float64], list[Record]]:
+    def _claim(self, batch: NDArray[np.float64]) -> tuple[list[Record], Request]:
         """Charge a batch and split it into what a journal already holds and what is left to run."""
-        first = len(self.trials)
-        batch = batch[: self._budget.charge(len(batch))]
+        first = len(self._records)
+        granted = self._budget.charge(len(batch))
+        if granted < len(batch):
+            batch = batch[:granted]
         replayed: list[Record] = []
         if self._journal is not None:
             for offset, unit in enumerate(batch):
@@ -189,21 +195,16 @@ class Session:
                 if record is None:
                     break
                 replayed.append(record)
-        return batch[len(replayed) :], replayed
+            batch = batch[len(replayed) :]
+        return replayed, (self.problem, batch, TRIAL, first + len(replayed))
 
-    def _settle(
-        self, units: NDArray[np.float64], replayed: list[Record], plans: Plans | None
-    ) -> tuple[Trial, ...]:
-        records = list(replayed)
-        if plans is not None:
-            first = len(self.trials) + len(replayed)
-            new = _records(self.problem, units, plans, first)
-            if self._journal is not None:
-                self._journal.append(new)
-            records += new
-        self.trials += tuple(r.trial for r in records)
-        self.lengths += tuple(r.length for r in records)
-        return tuple(r.trial for r in records)
+    def _settle(self, replayed: list[Record], new: list[Record]) -> tuple[Trial, ...]:
+        """Enter what was paid for among the trials and return it."""
+        if self._journal is not None and new:
+            self._journal.append(new)
+        records = replayed + new
+        self._records += records
+        return tuple([record.trial for record in records])
 
 
 def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tuple[Trial, ...]]:
@@ -213,16 +214,18 @@ def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tup
         ParameterError: on settings that cannot be used, or a session that appears twice (nobody is charged).
         BudgetError: when one of them has no trial left (nobody is charged).
     """
-    checked = [(session, session._check(units)) for session, units in requests]
-    _require_different([session for session, _ in checked])
-    claims = [(session, *session._claim(batch)) for session, batch in checked]
-    todo = [
-        (s.problem, units, TRIAL, len(s.trials) + len(replayed))
-        for s, units, replayed in claims
-        if len(units)
+    asked = list(requests)
+    sessions = [session for session, _ in asked]
+    batches = check_together([s.problem.space for s in sessions], [units for _, units in asked])
+    for session, batch in zip(sessions, batches, strict=True):
+        session._check(len(batch))
+    _require_different(sessions)
+    claims = [session._claim(batch) for session, batch in zip(sessions, batches, strict=True)]
+    new = iter(_run([request for _, request in claims]))
+    return [
+        session._settle(replayed, list(islice(new, len(request[1]))))
+        for session, (replayed, request) in zip(sessions, claims, strict=True)
     ]
-    plans = iter(run_together(todo))
-    return [s._settle(units, old, next(plans) if len(units) else None) for s, units, old in claims]
 
 
 def steer_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[OpenTrial]:
@@ -272,12 +275,21 @@ def incumbent(trials: Sequence[Trial]) -> tuple[tuple[float, ...], float]:
     return best, means[best]
 
 
-def _records(problem: TuningProblem, units: NDArray[np.float64], plans: Plans, first: int) -> list[Record]:
-    costs = problem.cost(plans.lengths).tolist()
-    seeds = plans.seeds.tolist()
+def _run(requests: list[Request]) -> list[Record]:
+    """Run what is asked for in one planner call; return the records in order."""
+    if not any(len(units) for _, units, _, _ in requests):
+        return []
+    runs = Runs.of(requests)
+    plans = runs.plan()
+    columns = (
+        runs.keys,
+        runs.units.tolist(),
+        costs(runs.problems, plans.lengths).tolist(),
+        plans.moves.tolist(),
+        plans.lengths.tolist(),
+        plans.seeds.tolist(),
+    )
     return [
-        Record(
-            Trial(first + i, tuple(unit), costs[i], int(plans.moves[i])), float(plans.lengths[i]), seeds[i]
-        )
-        for i, unit in enumerate(units.tolist())
+        Record(Trial(index, tuple(unit), cost, work), length, seed)
+        for (_, index), unit, cost, work, length, seed in zip(*columns, strict=True)
     ]

@@ -34,8 +34,8 @@ def broken(kind, mode=AutoresetMode.SAME_STEP, regime=OneShotEnv, **kwargs):
 
 
 class WithoutMask(NativeVectorEnv):
-    def _gathered(self, infos):
-        batch = super()._gathered(infos)
+    def _gathered(self, parts):
+        batch = super()._gathered(parts)
         batch.pop("_seed", None)
         return batch
 
@@ -64,10 +64,8 @@ class OutOfBounds(NativeVectorEnv):
 
 
 class WrittenOver(NativeVectorEnv):
-    def _blank(self):
-        if not hasattr(self, "kept"):
-            self.kept = super()._blank()
-        return self.kept
+    def _observations(self):
+        return self._shown
 
 
 class NextEpisodeAsFinal(NativeVectorEnv):
@@ -143,10 +141,6 @@ def test_a_reset_that_heeds_no_mask_is_found():
         @property
         def over(self):
             return self.session.left <= self.session.problem.seed % 2
-
-        def conclude(self, outcome, fresh):
-            observation, reward, _, truncated, info = super().conclude(outcome, fresh)
-            return observation, reward, self.over, truncated, info
 
     broken(NativeVectorEnv, AutoresetMode.DISABLED, Staggered, budget=3)
     with pytest.raises(ContractError, match=r"reset of slots \[.\] .*: slot . was not to be reset"):

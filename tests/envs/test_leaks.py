@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from gymnasium.envs.registration import load_env_creator
 
+from antgym.envs.base import observed
 from antgym.envs.catalogue import CATALOGUE
 from antgym.maps.suites import load_suite
 from antgym.maps.world import Scenario
@@ -69,7 +70,7 @@ def seen_alone(entry, picked, step):
     seen = [frozen(env.reset(seed=4, options={"scenario": picked})[0])]
     for (action,) in actions(1):
         step(env, action)
-        seen += [frozen(env._observe()), repr(env.session.trials)]
+        seen += [frozen(observed([env])), repr(env.session.trials)]
         if env.over:
             break
     return [*seen, env._walked().result().path.tobytes()]

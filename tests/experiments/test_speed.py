@@ -9,8 +9,10 @@ import json
 import math
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ from antgym import bench
 from antgym.errors import AntgymError, MissingExtraError, ParameterError
 from antgym.maps.optimum import shortest_length
 from antgym.planners.colony import plan
-from experiments import growth, rivals, speed
+from experiments import batches, growth, rivals, speed
 
 ROOT = Path(__file__).parents[2]
 PINNED = "ded15506e5184388"
@@ -30,7 +32,7 @@ SMALL = bench.Workload("small", 10, 20, size=9)
 def figures(tmp_path_factory):
     """What a tiny run of the script returns and writes."""
     file = tmp_path_factory.mktemp("speed") / "new" / "speed.json"
-    arguments = speed.Arguments(1, ("tiny",), growth=False, two_threads=False, out=file)
+    arguments = speed.Arguments(1, ("tiny",), growth=False, two_threads=False, envs=False, out=file)
     returned = speed.run(arguments)
     assert json.loads(file.read_text()) == returned
     return returned
@@ -140,6 +142,36 @@ def test_a_second_thread_is_compared_with_arithmetic(monkeypatch):
     monkeypatch.setattr(speed, "BATCH", 4)
     gain = speed.thread_gain(bench.TINY, repeats=1)
     assert all(math.isfinite(value) and value > 0 for value in gain.values())
+
+
+@pytest.fixture
+def small_batches(monkeypatch):
+    """Figures of a few slots, in the script's own file."""
+    monkeypatch.setattr(batches, "EFFORT", (3, 4))
+    return batches.batches(repeats=2, slots=4, few=4)
+
+
+def test_a_batch_is_measured_outside_its_planner_and_beside_single_environments(small_batches):
+    outside, beside = small_batches["overhead"], small_batches["singles"]
+    assert 0 < outside["share_outside"] < 1
+    assert 0 < outside["us_outside"] < outside["us"]
+    peers = {"SyncVectorEnv"} | ({"DummyVecEnv"} if importlib.util.find_spec("stable_baselines3") else set())
+    assert set(beside["us"]) == set(beside["ratio"]) == {"native", *peers}
+    assert beside["ratio"]["native"] == 1.0
+    assert "4 slots" in batches.to_sentence(small_batches)
+
+
+def test_the_planner_clock_sees_the_planner_alone():
+    env = gymnasium.make(batches.ENV, effort=(3, 4))
+    env.reset(seed=0)
+    with batches.planner_clock() as inside:
+        assert inside == [0.0]
+        begun = time.perf_counter()
+        env.step(np.zeros(4, np.float32))
+        assert 0 < inside[0] < time.perf_counter() - begun
+        spent = inside[0]
+        env.reset()
+        assert inside == [spent]
 
 
 def test_threads_are_put_back(monkeypatch):

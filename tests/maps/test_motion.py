@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 
 from antgym.errors import ParameterError
-from antgym.maps.motion import CORNERS, LAYERED, Motion, move_table, step_lengths
+from antgym.maps.motion import CORNERS, LAYERED, MOTIONS, Motion, move_table, step_lengths
 
 ALL = [Motion(name, corners=corners) for name in CORNERS for corners in CORNERS[name]]
 ALL.append(Motion(check_segments=False))
+
+
+def test_the_list_of_motions_holds_each_once():
+    assert set(MOTIONS) == set(ALL)
+    assert len(MOTIONS) == len(ALL)
 
 
 def needs(motion, step):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from antgym.errors import ParameterError
 from antgym.planners.rules import PAPERS
-from antgym.planners.space import Parameter, ParameterSpace, decode_together, named_values
+from antgym.planners.space import Parameter, ParameterSpace, check_together, decode_together, named_values
 
 SPACES = [
     *(
@@ -150,3 +150,15 @@ def test_a_mean_is_taken_on_each_scale():
     mean = space.decode(space.mean(pair, [0.5, 0.5]))[0]
     assert mean == pytest.approx([0.2, 3.0, 0.5, space.default[3]])
     assert space.mean(pair, [1.0, 0.0]) == pytest.approx(pair[0])
+
+
+def test_settings_of_several_spaces_are_checked_as_each_alone_does():
+    four, one = SPACES[0], SPACES[-1]
+    good = [np.zeros((2, 4)), [[0.25]]]
+    assert [each.tolist() for each in check_together([four, one], good)] == [[[0.0] * 4] * 2, [[0.25]]]
+    assert check_together([four], [[0.5] * 4])[0].tolist() == [[0.5] * 4]  # one row, as check() takes it
+    assert check_together([], []) == []
+    with pytest.raises(ParameterError, match=r"setting 0: share = 1.5 lies outside the unit interval"):
+        check_together([four, one], [good[0], [[1.5]]])
+    with pytest.raises(ParameterError, match="must have shape"):
+        check_together([one, four], good)

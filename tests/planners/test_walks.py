@@ -1,5 +1,8 @@
 """What holds for every walk: valid paths, never below the optimum, no surprise from threads, buffers or traps."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from colonies import PARAMETERS, any_rules
@@ -88,6 +91,20 @@ def test_batch_order_and_threads_change_nothing(monkeypatch):
     assert [mixed.plan(k).path.tolist() for k in range(30)] == [
         alone.plan(i).path.tolist() for i in order.tolist()
     ]
+
+
+def test_what_is_kept_of_a_scenario_goes_with_it(valley):
+    """Records are kept by scenario and rules: a second plan is the first, other rules are others, nothing leaks."""
+    scenario = Scenario(valley.world, valley.start, valley.goal)
+    kept = weakref.ref(scenario)
+    first, other, again = (
+        plan(scenario, (1, 0.1, 0.9, 50), rules=Rules(q0=q0), ants=5, iterations=3, seed=1).mean.tolist()
+        for q0 in (0.0, 0.9, 0.0)
+    )
+    assert first == again != other
+    del scenario
+    gc.collect()
+    assert kept() is None
 
 
 def test_another_seed_gives_another_walk(valley):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from antgym.tuning import seeding
 from antgym.tuning.seeding import child_states
 
-SEEDS = st.integers(0, 2**128 - 1) | st.integers(0, 2**32) | st.just(2**63)
+SEEDS = st.integers(0, 2**128 - 1) | st.integers(0, 2**200) | st.integers(0, 2**32) | st.just(2**63)
 
 
 @given(

@@ -246,3 +246,30 @@ def test_a_problem_with_the_printed_rules_checks_end_points_alone(valley):
 def test_a_problem_that_no_planner_would_run_is_refused_before_anything_is_paid(valley, changes):
     with pytest.raises(ParameterError, match=next(iter(changes))):
         TuningProblem(valley, **changes)
+
+
+def test_costs_and_gaps_of_several_problems_are_each_its_own(problem, valley):
+    other = TuningProblem(valley, ants=3, iterations=4, seed=6)
+    lengths = np.array([1.5, 40.0]) * valley.straight_line
+    assert problems.costs([problem, other], lengths).tolist() == [1.5, COST_CAP]
+    found = problems.gaps([problem, other], lengths)
+    assert found.tolist() == [problem.gap(lengths[:1])[0], other.gap(lengths[1:])[0]]
+
+
+def test_a_length_below_the_optimum_is_named_among_others(problem):
+    optimum = problem.scenario.optimum
+    with pytest.raises(AssertionError, match=f"{problem.scenario.name}: length {0.5 * optimum}"):
+        problems.gaps([problem] * 3, np.array([optimum, 0.5 * optimum, np.inf]))
+
+
+def test_a_problem_under_another_seed_is_one_made_with_it(problem, valley):
+    one, other = problem.seeded(9), TuningProblem(valley, ants=3, iterations=4, seed=9)
+    assert one.seeds(TRIAL, 0, 3).tolist() == other.seeds(TRIAL, 0, 3).tolist()
+    assert Session(one, 2).evaluate(settings(2)) == Session(other, 2).evaluate(settings(2))
+    assert problem.seed != 9
+    with pytest.raises(ParameterError, match="seed = -1"):
+        problem.seeded(-1)
+
+
+def test_nobody_asks_for_nothing():
+    assert evaluate_together([]) == []
