@@ -164,7 +164,7 @@ _CARDS = (
     Card(
         "optuna_race",
         "agents.bayesian:OptunaRace",
-        {"sampler": "TPESampler", "repeats": 6, "p_threshold": 0.2},
+        {"sampler": "TPESampler", "p_threshold": 0.2},
         "TPE over settings that are run repeatedly, with Optuna's Wilcoxon pruner",
         "agents",
         libraries=("optuna", "scipy"),

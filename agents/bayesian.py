@@ -17,7 +17,7 @@ from antgym.errors import MissingExtraError, ParameterError, nearest
 from antgym.tuning import COST_CAP, Task
 
 Floats = NDArray[np.float64]
-LARGEST_BATCH = 10
+LARGEST_BATCH, MOST_RUNS = 10, 6
 SAMPLERS = {
     "TPESampler": (),
     "GPSampler": ("greenlet", "torch"),
@@ -65,11 +65,8 @@ class OptunaSearch(Search):
         self._size = self.batch or self._fit_batch(trials, len(task.space))
         self._begun, self._lowest = False, COST_CAP
         with _quiet(self._optuna):
-            self._study = self._create(narrow_seed(seed))
-
-    def _create(self, seed: int) -> Any:
-        sampler = getattr(self._optuna.samplers, self.sampler)(seed=seed, **self.arguments)
-        return self._optuna.create_study(sampler=sampler)
+            sampler = getattr(self._optuna.samplers, self.sampler)(seed=narrow_seed(seed), **self.arguments)
+            self._study = self._optuna.create_study(sampler=sampler)
 
     def _fit_batch(self, trials: int, dimension: int) -> int:
         if self.sampler == "CmaEsSampler":
@@ -105,13 +102,13 @@ class OptunaSearch(Search):
 class OptunaRace(OptunaSearch):
     """A sampler of Optuna's whose settings are run several times, with its Wilcoxon pruner to stop the worse ones.
 
-    The first setting gets all its runs at once. From then on a few are under way, each with one run per ask, and one is
-    over after ``repeats`` runs; or after its first, where that is worse than every run of the best setting; or as soon
-    as the signed-rank test against the best says so. The sampler learns its mean. Runs of two settings are paired by
-    their order: they share no seed, but runs that do hardly correlate either.
+    It begins with one run each of up to ten settings, and the best of them gets all its runs. From then on a few are
+    under way, each with one run per ask. One is over after ``repeats`` runs; or after its first, where that is worse
+    than every run of the best setting; or as soon as the signed-rank test against the best says so. The sampler learns
+    its mean. Runs of two settings are paired by their order: they share no seed, but runs that do hardly correlate.
 
     Args:
-        repeats: runs of a setting at most, ≥ 2.
+        repeats: runs of a setting at most, ≥ 2; None takes an eighth of the search, 2 to 6.
         p_threshold: of the pruner; with its own 0.1 nothing is stopped before the fourth run, with 0.2 the third.
         batch: settings under way at once, ≥ 1; None takes a twentieth of the search, 1 to 10.
         rerun_share: share of the budget kept to run the best settings again, in [0, 1).
@@ -121,55 +118,67 @@ class OptunaRace(OptunaSearch):
 
     def __init__(
         self,
-        repeats: int = 6,
+        repeats: int | None = None,
         p_threshold: float = 0.2,
         batch: int | None = None,
         rerun_share: float = RERUN_SHARE,
         sampler: str = "TPESampler",
         **arguments: Any,
     ) -> None:
-        if repeats < 2:
+        if repeats is not None and repeats < 2:
             raise ParameterError(f"repeats = {repeats}: a race needs at least 2")
         if not 0 <= p_threshold <= 1:
             raise ParameterError(f"p_threshold = {p_threshold}: must lie in [0, 1]")
         super().__init__(sampler, batch, rerun_share, **arguments)
         self.repeats, self.p_threshold = repeats, p_threshold
 
-    def _create(self, seed: int) -> Any:
-        study = super()._create(seed)
-        study.pruner = self._optuna.pruners.WilcoxonPruner(p_threshold=self.p_threshold)
+    def _start(self, task: Task, trials: int, seed: int) -> None:
+        super()._start(task, trials, seed)
+        with _quiet(self._optuna):
+            self._study.pruner = self._optuna.pruners.WilcoxonPruner(p_threshold=self.p_threshold)
+        self._runs = self.repeats or min(MOST_RUNS, max(2, trials // 8))
+        self._first = min(LARGEST_BATCH, max(1, trials // 2))
         self._under_way: list[_Runs] = []
-        self._worst_of_best: float | None = None
-        return study
+        self._bar: float | None = None  # the worst run of the best setting, once one has all its runs
 
     def _fit_batch(self, trials: int, dimension: int) -> int:  # noqa: ARG002 - a race has no generations
         return fit_batch(trials // 2)
 
     def _propose(self) -> Floats:
-        first = self._worst_of_best is None
+        self._asked = self._next()
+        return self._settings([runs.trial for runs in self._asked])
+
+    def _next(self) -> "list[_Runs]":
+        """Return what to run next, a setting as often as it is to be run."""
+        if self._bar is None and self._under_way:
+            if unseen := [runs for runs in self._under_way if not runs.costs]:
+                return unseen
+            best = min(self._under_way, key=lambda runs: runs.costs[0])
+            return [best] * (self._runs - len(best.costs))
         with _quiet(self._optuna):
-            while len(self._under_way) < (1 if first else self._size):
+            while len(self._under_way) < (self._first if self._bar is None else self._size):
                 self._under_way.append(_Runs(self._study.ask(self._distributions), []))
-        counts = [self.repeats - len(runs.costs) if first else 1 for runs in self._under_way]
-        return np.repeat(self._settings([runs.trial for runs in self._under_way]), counts, axis=0)
+        return list(self._under_way)
 
     def _learn(self, costs: Floats) -> None:
-        """Report the runs; a setting that got none waits for its next."""
-        told = self._under_way[:1] * len(costs) if self._worst_of_best is None else self._under_way
-        for runs, cost in zip(told, self._cap(costs).tolist(), strict=False):
+        """Report the runs, and tell what is over; a setting that got no run waits for its next."""
+        for runs, cost in zip(self._asked, self._cap(costs).tolist(), strict=False):
             runs.trial.report(cost, step=len(runs.costs))
             runs.costs.append(cost)
         with _quiet(self._optuna):
-            over = [runs for runs in self._under_way[: len(costs)] if self._is_over(runs)]
-            for runs in over:
-                self._study.tell(runs.trial, float(np.mean(runs.costs)))
-                self._worst_of_best = max(self._study.best_trial.intermediate_values.values())
-        self._under_way = [runs for runs in self._under_way if runs not in over]
+            for runs in sorted(self._under_way, key=lambda runs: -len(runs.costs)):
+                if self._is_over(runs):
+                    self._study.tell(runs.trial, float(np.mean(runs.costs)))
+                    self._bar = max(self._study.best_trial.intermediate_values.values())
+                    self._under_way.remove(runs)
 
     def _is_over(self, runs: "_Runs") -> bool:
-        if len(runs.costs) == 1 and self._worst_of_best is not None:
-            return runs.costs[0] > self._worst_of_best
-        return len(runs.costs) == self.repeats or bool(runs.trial.should_prune())
+        """Whether a setting has had its runs, or is worse than the best; what is told is so never the best by luck."""
+        if len(runs.costs) == self._runs:
+            return True
+        if self._bar is None or not runs.costs:
+            return False
+        return runs.costs[0] > self._bar if len(runs.costs) == 1 else bool(runs.trial.should_prune())
 
 
 class _Runs(NamedTuple):

@@ -126,11 +126,21 @@ def _race(session, **settings):
     return agent._study.trials
 
 
-def test_the_first_setting_of_a_race_gets_all_its_runs_at_once(bowl):
-    session = bowl(30, noise=0.1)
+@pytest.mark.parametrize("granted", [None, 3])
+def test_the_best_of_the_first_settings_of_a_race_gets_all_its_runs(granted, bowl):
+    session = bowl(40, noise=0.1, granted=granted)
     _race(session, repeats=4, batch=3)
-    assert [len(batch) for batch in session.batches] == [4, *[3] * 8, 2]
-    assert len(np.unique(session.batches[0], axis=0)) == 1
+    firsts, champion = session.trials[:10], session.trials[10:13]
+    assert len({trial.unit for trial in firsts}) == 10
+    assert {trial.unit for trial in champion} == {min(firsts, key=lambda trial: trial.cost).unit}
+
+
+@pytest.mark.parametrize(("budget", "firsts", "runs"), [(3, 1, 2), (16, 8, 2), (40, 10, 5), (100, 10, 6)])
+def test_a_race_fits_its_runs_to_the_budget(budget, firsts, runs, bowl):
+    session = bowl(budget)
+    _race(session)
+    assert len(session.batches[0]) == firsts
+    assert len(session.batches[1]) == runs - 1
 
 
 @pytest.mark.parametrize("granted", [None, 1, 2])
@@ -142,7 +152,7 @@ def test_a_race_learns_the_mean_of_every_settings_runs(granted, bowl):
         runs.setdefault(trial.unit, []).append(trial.cost)
     assert max(map(len, runs.values())) == 4
     over = [trial for trial in trials if trial.state == optuna.trial.TrialState.COMPLETE]
-    assert len(trials) - len(over) <= 3
+    assert len(over) > 10
     for trial in over:
         assert trial.value == pytest.approx(np.mean(runs[tuple(trial.params.values())]))
 
@@ -160,14 +170,15 @@ def test_a_race_repeats_good_settings_and_stops_bad_ones(bowl):
 
 def test_the_pruner_stops_what_is_worse_run_by_run(bowl):
     agent = OptunaRace(repeats=6, batch=1, rerun_share=0.0)
-    agent.reset(bowl(30).task, seed=0)
-    costs = iter(
-        [1.1, 1.3, 1.2, 1.15, 1.25, 1.2, 1.29, 1.31, 1.28, 1.9]
-    )  # the second is worse in every pair but one
+    agent.reset(bowl(100).task, seed=0)
+    firsts, champion = [1.1, *[1.9] * 9], [1.3, 1.2, 1.15, 1.25, 1.2]
     told = []
-    for count in (6, 1, 1, 1, 1):
+    for costs in (firsts, champion, [1.29], [1.31], [1.28], [1.9]):
         units = agent.ask()
-        assert len(units) == count
-        told += units.tolist()
-        agent.tell([Trial(0, tuple(unit), next(costs), 1) for unit in units])
-    assert told[6] == told[7] == told[8] != told[9]
+        assert len(units) == len(costs)
+        told.append(units[0].tolist())
+        agent.tell([Trial(0, tuple(u), cost, 1) for u, cost in zip(units.tolist(), costs, strict=True)])
+    first, champion, *challengers, next_one = told
+    assert first == champion not in challengers
+    assert challengers == challengers[:1] * 3  # 1.29, 1.31, 1.28 against 1.1, 1.3, 1.2
+    assert next_one not in (champion, challengers[0])
