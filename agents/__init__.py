@@ -149,7 +149,7 @@ _CARDS = (
         "optuna_cma",
         _OPTUNA,
         {"sampler": "CmaEsSampler"},
-        "CMA-ES as Optuna samples it, whole generations",
+        "CMA-ES as Optuna samples it, σ a sixth of the range around the default, whole generations",
         "agents",
         libraries=_CMAES,
     ),
