@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from antgym.maps.motion import Motion
     from antgym.maps.readers import jacksboro, read_heights
     from antgym.maps.shaping import fill_missing, voxelise
-    from antgym.maps.suites import load_suite
+    from antgym.maps.suites import SuiteItem, load_suite
     from antgym.maps.world import GridWorld, Scenario
     from antgym.planners.colony import Colony, plan, plan_many
     from antgym.planners.parameters import ColonyParameters
@@ -32,6 +32,7 @@ _HOMES = {
     "Rules": "antgym.planners.rules",
     "Scenario": "antgym.maps.world",
     "Session": "antgym.tuning.session",
+    "SuiteItem": "antgym.maps.suites",
     "TuningProblem": "antgym.tuning.problem",
     "env_seeds": "antgym.envs.vector",
     "fill_missing": "antgym.maps.shaping",
@@ -54,6 +55,7 @@ __all__ = [
     "Rules",
     "Scenario",
     "Session",
+    "SuiteItem",
     "TuningProblem",
     "env_seeds",
     "fill_missing",

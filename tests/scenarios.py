@@ -49,8 +49,8 @@ def scenarios(max_side=7):
     return layered(max_side) | grids(max_side)
 
 
-def drawn(lines, motion=None):
+def drawn(lines, motion=None, name="drawn"):
     """A world one cell high from a picture: a line per layer along x, a character per cell along y."""
     free = np.array([[c != "#" for c in line] for line in lines])[:, :, None]
     start, goal = (next((x, line.index(c), 0) for x, line in enumerate(lines) if c in line) for c in "SG")
-    return Scenario(GridWorld(free), start, goal, motion or Motion())
+    return Scenario(GridWorld(free), start, goal, motion or Motion(), name)

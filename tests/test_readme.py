@@ -2,7 +2,8 @@
 
 A Python block runs alone, in a fresh process in the repository's root. A shell block runs line by line, its
 ``&&`` parts apart: what makes an environment or runs the tests is CI's own work and is left out, presets shrink to
-``smoke``, and ``out/`` becomes a temporary folder. A block after ``<!-- long -->`` is only parsed.
+``smoke`` and trainings to a few updates, and ``out/`` becomes a temporary folder. A block after ``<!-- long -->`` is
+only parsed.
 """
 
 import os
@@ -57,6 +58,7 @@ def commands(text, out):
                 command = re.sub(r"^(\.venv/bin/)?python3? ", f"{sys.executable} ", command)
                 command = re.sub(r"^(\.venv/bin/)?antgym ", f"{sys.executable} -m antgym.cli ", command)
                 command = re.sub(r"--preset \w+", "--preset smoke", command)
+                command = re.sub(r"--evaluations \d+", "--evaluations 1024", command)
                 yield re.sub(r"\bout/", f"{out}/", command)
 
 
@@ -86,6 +88,19 @@ def test_every_block_says_what_it_is():
     assert [str(b) for b in BLOCKS if b.language not in ("python", "text", *SHELL)] == []
 
 
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_what_is_linked_to_is_there(file):
+    """Files beside the text, and headings as GitHub names them."""
+    for path, heading in re.findall(
+        r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)", file.read_text(encoding="utf-8")
+    ):
+        target = file.parent / path if path else file
+        assert target.exists(), f"{file.name} links to {path}"
+        if heading:
+            titles = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), flags=re.MULTILINE)
+            assert heading in [re.sub(r"[^\w -]", "", title).lower().replace(" ", "-") for title in titles]
+
+
 @pytest.mark.parametrize("block", [b for b in BLOCKS if b.language in ("python", *SHELL)], ids=str)
 def test_block_parses(block):
     if block.language == "python":
@@ -113,6 +128,8 @@ def test_shell_block_runs(block, tmp_path):
 def test_set_up_is_left_out_and_the_rest_is_made_small():
     line = "$ python3 -m venv .venv && .venv/bin/pip install -e . && .venv/bin/python -m a --preset quick --out out/b\n"
     assert list(commands(line, "/tmp")) == [f"{sys.executable} -m a --preset smoke --out /tmp/b"]
+    long = list(commands(".venv/bin/python -m b --evaluations 8192 --out out/c\n", "/tmp"))
+    assert long == [f"{sys.executable} -m b --evaluations 1024 --out /tmp/c"]
 
 
 def test_the_console_script_is_run_as_a_module():

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.envs.manual import ranges_table, worlds_table
+from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError, is_count, nearest
 from antgym.maps.features import Feature, feature_table
 from antgym.maps.occupancy import picture_shape
-from antgym.maps.suites import SPLITS, load_suite
+from antgym.maps.suites import SPLITS, SuiteItem
 from antgym.planners.colony import Colony, Plans
 from antgym.planners.parameters import ColonyParameters
 from antgym.planners.space import named_values
@@ -46,8 +47,8 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """Base of the regimes. A step is paid, then judged; a batch does the same for many environments at once.
 
     Args:
-        suite: name of the suite scenarios come from.
-        split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"``.
+        suite: name of the suite scenarios come from, or scenarios of your own: a sequence of ``SuiteItem``.
+        split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"`` of a named suite.
         effort: (ants, iterations) for every scenario instead of each scenario's own.
         reward: ``"gap"``, ``"length"`` or ``"improvement"``.
         observation: ``"features"``, the vector alone, or with a map beside it: ``"map2d"``, ``"map3d"``, or ``"map"``
@@ -64,7 +65,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def __init__(
         self,
-        suite: str,
+        suite: str | Sequence[SuiteItem],
         split: str = "train",
         effort: Sequence[int] | None = None,
         reward: str = "gap",
@@ -85,7 +86,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             valid = tuple(self.metadata["render_modes"])
             raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
-        self._suite = load_suite(suite, split)
+        self._suite = find_items(suite, split)
         self._effort = None if effort is None else _checked_effort(effort, self.least_iterations)
         self._reward = reward
         self.render_mode = render_mode

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.envs.base import Step, TuningEnv, documented
+from antgym.maps.suites import SuiteItem
 from antgym.planners.colony import Colony, Plans
 from antgym.tuning.features import feature_bounds
 from antgym.tuning.open_trial import OpenTrial
@@ -87,7 +88,7 @@ class ControlEnv(TuningEnv):
     features = CONTROL_FEATURES
     least_iterations = LEAST_ITERATIONS
 
-    def __init__(self, suite: str, **others: Any) -> None:
+    def __init__(self, suite: str | Sequence[SuiteItem], **others: Any) -> None:
         super().__init__(suite, **others)
         self._potential = 0.0
 

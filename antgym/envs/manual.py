@@ -1,13 +1,16 @@
 """The manual: what docstrings and ``antgym envs`` say of worlds, rules and arguments, from what is read at run time."""
 
 import inspect
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
 from antgym.maps.recipes import SUITES
 from antgym.planners.rules import PAPERS
 from antgym.tuning.features import RULES_SHOWN
+
+_GAPS = ("uniform random", "published default", "SBS", "SBS by rule", "VBS")
 
 
 def ranges_table(rules: Sequence[str] = RULES_SHOWN) -> str:
@@ -43,6 +46,30 @@ def world_facts(world: str) -> dict[str, str]:
         "iterations": _span(count for strand in strands for count in strand.iterations),
         "scenarios": f"{recipe.counts['train']} / {recipe.counts['test']}",
     }
+
+
+def cards_table() -> str:
+    """Return the Markdown table of the cards of all worlds that have one."""
+    headings = ("world", *_GAPS, "headroom over SBS by rule", "flat maps", "noise", "schedules add")
+    rows = [f"| {' | '.join(headings)} |", "|:--" + "|--:" * (len(headings) - 1) + "|"]
+    for world in WORLDS:
+        card = load_card(world)
+        if card is not None:
+            rows.append(f"| {world} | {' | '.join(_card_cells(card))} |")
+    return "\n".join(rows)
+
+
+def _card_cells(card: dict[str, Any]) -> Iterator[str]:
+    yield from (f"{100 * card['gap'][row][0]:.1f} %" for row in _GAPS)
+    yield _share(card["headroom"]["over SBS by rule"])
+    yield f"{100 * card['flat']:.0f} %"
+    yield f"{100 * card['variance']['run']:.0f} %"
+    yield _share(card["dynamic"]["headroom"]) if card["dynamic"] else "–"
+
+
+def _share(interval: Sequence[float]) -> str:
+    value, low, high = (100 * share for share in interval)
+    return f"{value:.0f} % [{low:.0f}, {high:.0f}]"
 
 
 def arguments(regime: Any) -> dict[str, Any]:

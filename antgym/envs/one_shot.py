@@ -67,8 +67,8 @@ class OneShotEnv(TuningEnv):
     ## Arguments
     | name | default | meaning |
     |---|---|---|
-    | `suite` | the world's | where scenarios come from |
-    | `split` | `"train"` | `train`, `validation`, `test` or `ood` |
+    | `suite` | the world's | a suite's name, or scenarios of your own: `[antgym.SuiteItem(...), ...]`, see below |
+    | `split` | `"train"` | `train`, `validation`, `test` or `ood`; scenarios of your own have none |
     | `effort` | `None` | `[ants, iterations]` for every scenario instead of its own |
     | `reward` | `"gap"` | see above |
     | `observation` | `"features"` | or `"map"`, `"map2d"`, `"map3d"`, see above |
@@ -78,6 +78,9 @@ class OneShotEnv(TuningEnv):
     import gymnasium, antgym
     env = gymnasium.make("antgym/MountainOneShot-v0", split="test", effort=[10, 20])
     ```
+
+    `antgym.SuiteItem(name, scenario, ants=20, iterations=50, rules="liu2020")` is one scenario of your own. All other
+    arguments are JSON; an environment of your own scenarios has a spec that cannot be written as JSON.
 
     ## Version History
     * v0: first release (not frozen yet)

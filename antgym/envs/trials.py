@@ -1,11 +1,13 @@
 """Trials: a budget of paid planner runs on one scenario."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from antgym.envs.base import Step, TuningEnv, documented
 from antgym.errors import BudgetError, is_count
+from antgym.maps.suites import SuiteItem
 from antgym.planners.colony import Plans
 from antgym.tuning.problem import FRESH, Request
 from antgym.tuning.session import Trial, incumbent
@@ -74,7 +76,9 @@ class TrialsEnv(TuningEnv):
 
     arguments = (*TuningEnv.arguments, "budget", "window")
 
-    def __init__(self, suite: str, *, budget: int = 10, window: int = 5, **others: Any) -> None:
+    def __init__(
+        self, suite: str | Sequence[SuiteItem], *, budget: int = 10, window: int = 5, **others: Any
+    ) -> None:
         for name, value in (("budget", budget), ("window", window)):
             if not is_count(value):
                 raise BudgetError(f"{name} = {value!r}: needs a whole number of trials, at least one")

@@ -26,20 +26,20 @@ class SuiteItem(NamedTuple):
     """A scenario and the effort and rules it is planned with.
 
     Attributes:
-        name: suite, split and index, or window and rotation for real terrain.
+        name: suite, split and index, or window and rotation for real terrain; of one's own, any.
         scenario: what is planned.
         ants: ants per iteration.
         iterations: iterations per run.
         rules: name of the colony's rules.
-        family: of the scenario, ``"terrain"`` for real terrain.
+        family: of the scenario, ``"terrain"`` for real terrain, ``"own"`` for one's own.
     """
 
     name: str
     scenario: Scenario
-    ants: int
-    iterations: int
-    rules: str
-    family: str
+    ants: int = 20
+    iterations: int = 50
+    rules: str = "liu2020"
+    family: str = "own"
 
 
 @lru_cache

@@ -14,7 +14,7 @@ from antgym.tuning.problem import GAP_CAP, TuningProblem
 from experiments.headroom import measures
 from experiments.headroom.measures import Floats
 from experiments.headroom.pool import DESIGN, SCORE, Advance, Pool, Stage, cost, design, run_gaps, search
-from experiments.headroom.schedules import dynamic
+from experiments.headroom.schedules import LEAST, dynamic, schedule_runs
 
 FORMAT = "antgym card 1"
 NAMES = ColonyParameters._fields
@@ -79,18 +79,19 @@ def problems(suite: Suite, count: int) -> list[TuningProblem]:
 
 
 def runs_needed(suite: str, preset: Preset) -> int:
-    """Return about how many planner runs a card takes."""
+    """Return how many planner runs a card takes; what looks at optima on a bound comes on top."""
     train, test = (load_suite(suite, split) for split in ("train", "test"))
     sources, maps = min(preset.train, len(train)), min(preset.test, len(test))
     rules = {test[i].rules for i in range(maps)}
-    races = sources * cost(preset.settings, preset.race) * (2 if len(rules) > 1 else 1)
+    races, winners = (2, len(rules) + 1) if len(rules) > 1 else (1, 1)
     settings, repeats = preset.design
-    each = (
-        cost(preset.settings + len(rules) + 1, preset.oracle)
-        + len(_ROWS) * preset.scored
-        + settings * repeats
-    )
-    return races + maps * each
+    each = cost(preset.settings + winners, preset.oracle) + len(_ROWS) * preset.scored + settings * repeats
+    long_enough = [
+        min(preset.schedule_maps, sum(split[i].iterations >= LEAST for i in range(count)))
+        for split, count in ((train, sources), (test, maps))
+    ]
+    raced = races * sources * cost(preset.settings, preset.race)
+    return raced + maps * each + schedule_runs(*long_enough)
 
 
 def find_settings(suite: str, preset: Preset, advance: Advance) -> Measured:

@@ -39,6 +39,11 @@ def family() -> list[Schedule]:
     return [static, *(Schedule(a, b, switch) for a, b in changes for switch in SWITCHES)]
 
 
+def schedule_runs(train: int, test: int) -> int:
+    """Return how many planner runs :func:`dynamic` takes on so many problems that are long enough."""
+    return 0 if min(train, test) < 2 else RUNS * (train * len(family()) + test * 2)
+
+
 def dynamic(
     train: list[TuningProblem], test: list[TuningProblem], static: Floats, maps: int, advance: Advance
 ) -> dict[str, Any] | None:

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 from gymnasium.envs.registration import load_env_creator
 
+from antgym.envs import manual
 from antgym.envs.catalogue import CATALOGUE, WORLDS
-from antgym.envs.manual import arguments, ranges_table, section, world_facts, worlds_table
+from antgym.envs.manual import arguments, cards_table, ranges_table, section, world_facts, worlds_table
 from antgym.maps.suites import load_suite
 from antgym.planners.rules import PAPERS
 from antgym.tuning.features import RULES_SHOWN
@@ -29,6 +30,24 @@ def test_a_table_of_some_rules_has_theirs_alone():
 
 def test_the_readme_shows_the_worlds_as_they_are():
     assert worlds_table() in README.read_text(encoding="utf-8")
+
+
+def test_the_readme_shows_the_cards_as_they_are():
+    assert cards_table() in README.read_text(encoding="utf-8")
+
+
+def test_a_card_is_a_row_of_the_table(monkeypatch):
+    rows = ("uniform random", "published default", "SBS", "SBS by rule", "VBS")
+    made = {
+        "gap": {row: [0.5 - i / 10, 0.0, 1.0] for i, row in enumerate(rows)},
+        "headroom": {"over SBS by rule": [0.25, 0.125, 0.5]},
+        "flat": 0.1,
+        "variance": {"run": 0.3},
+        "dynamic": None,
+    }
+    monkeypatch.setattr(manual, "load_card", lambda world: made if world == "Room" else None)
+    row = "| Room | 50.0 % | 40.0 % | 30.0 % | 20.0 % | 10.0 % | 25 % [12, 50] | 10 % | 30 % | – |"
+    assert cards_table().splitlines()[2:] == [row]
 
 
 @pytest.mark.parametrize("world", WORLDS)

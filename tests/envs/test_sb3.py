@@ -84,35 +84,3 @@ def test_a_map_comes_beside_the_features_and_so_does_the_last_one():
         assert (begun[name] == first[name]).all()
         assert (observations[name] == theirs[name]).all()
         assert (infos[1]["terminal_observation"][name] == begun[name][1]).all()
-
-
-@pytest.mark.parametrize("kind", ["map2d", "map3d"])
-def test_ppo_learns_from_maps(kind):
-    from stable_baselines3 import PPO
-
-    envs = make_sb3_vec(ID, 8, seed=0, observation=kind, **EFFORT)
-    model = PPO("MultiInputPolicy", envs, n_steps=16, batch_size=32, n_epochs=1, device="cpu", seed=0)
-    before = {name: value.clone() for name, value in model.policy.state_dict().items()}
-    model.learn(256)
-    assert envs.native.planner_runs == 256
-    assert any((value != before[name]).any() for name, value in model.policy.state_dict().items())
-
-
-def test_ppo_steers_runs():
-    from stable_baselines3 import PPO
-    from stable_baselines3.common.vec_env import VecMonitor
-
-    envs = make_sb3_vec("antgym/MountainControl-v0", 4, seed=0, effort=[3, 40])
-    model = PPO("MlpPolicy", VecMonitor(envs), n_steps=20, batch_size=40, n_epochs=1, device="cpu", seed=0)
-    model.learn(320)
-    assert envs.native.planner_runs == 32  # ten steps each
-    assert [info["l"] for info in model.ep_info_buffer] == [10] * 32
-
-
-@pytest.mark.slow
-def test_ppo_learns_on_it():
-    from stable_baselines3 import PPO
-
-    envs = make_sb3_vec(ID, 8, seed=0, **EFFORT)
-    PPO("MlpPolicy", envs, n_steps=16, batch_size=32, n_epochs=1, device="cpu", seed=0).learn(256)
-    assert envs.native.planner_runs == 256

@@ -108,6 +108,14 @@ def test_dynamic_headroom_needs_runs_long_enough_to_steer():
     assert dynamic(short, short, np.full(4, 0.5), 5, lambda _: None) is None
 
 
+def test_the_bar_knows_how_many_runs_a_card_takes():
+    counted = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(card, "at_bounds", lambda *_: {})
+        card.measure("Mountain", "mountain-v0", "smoke", counted.append)
+    assert sum(counted) == card.runs_needed("mountain-v0", card.PRESETS["smoke"])
+
+
 def test_a_tiny_card_is_whole_and_the_same_again(tmp_path):
     for folder in ("one", "two"):
         script.run(script.Arguments(("antgym/MountainOneShot-v0",), "smoke", tmp_path / folder))
@@ -122,4 +130,4 @@ def test_a_tiny_card_is_whole_and_the_same_again(tmp_path):
 
 def test_an_unknown_world_is_named():
     with pytest.raises(ParameterError, match="did you mean 'Mountain'"):
-        script.run(script.Arguments(("Mountian",), "smoke"))
+        script.run(script.Arguments(("Mountan",), "smoke"))

@@ -53,6 +53,17 @@ def test_no_world_occurs_in_two_splits(name):
     assert all(not one & other for one, other in combinations(worlds, 2))
 
 
+@needs_matplotlib
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "digest", [world_digest, lambda item: item.scenario.digest], ids=["world", "scenario"]
+)
+def test_what_is_trained_on_in_one_suite_is_in_no_other_split_of_any(digest):
+    """A policy of Open is tested on Mountain, too. Windows of real terrain are in several suites, and there in ood."""
+    found = {split: {digest(item) for name in SUITES for item in load_suite(name, split)} for split in SPLITS}
+    assert all(not found[one] & found[other] for one, other in combinations(SPLITS, 2))
+
+
 @every_suite
 def test_no_scenario_occurs_twice(name):
     items = list(chain.from_iterable(load_suite(name, split) for split in SPLITS[:3]))

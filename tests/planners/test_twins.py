@@ -152,11 +152,11 @@ def test_kernels_compile_once():
         import_module(f"{kernels.__name__}.{each.name}") for each in pkgutil.iter_modules(kernels.__path__)
     ]
     compiled = {
-        f"{function.__module__}.{function.__name__}": function.signatures
+        f"{function.__module__}.{function.__name__}": len(function.signatures)
         for module in modules
         for function in vars(module).values()
-        if hasattr(function, "signatures")
+        # what is inlined is compiled anew for every constant it is called with
+        if hasattr(function, "signatures") and not function.targetoptions.get("forceinline")
     }
-    print(compiled)
-    assert {name: found for name, found in compiled.items() if len(found) > 1} == {}
-    assert sum(map(len, compiled.values())) >= 7
+    assert {name: count for name, count in compiled.items() if count > 1} == {}
+    assert sum(compiled.values()) >= 7
