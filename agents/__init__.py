@@ -38,7 +38,8 @@ class Card(NamedTuple):
     libraries: tuple[str, ...] = ()
 
 
-_TRANSFER = "agents.transfer:TransferAgent"
+_OPTUNA, _TRANSFER = "agents.bayesian:OptunaSearch", "agents.transfer:TransferAgent"
+_PYMOO, _CMAES = ("pymoo",), ("optuna", "cmaes")
 _CARDS = (
     Card(
         "best_static",
@@ -47,16 +48,46 @@ _CARDS = (
         "the one setting that did best on the train maps, no trial",
         trained=True,
     ),
+    Card(
+        "best_static_by_rules",
+        "agents.static:StaticByRules",
+        {},
+        "the setting that did best on the train maps of the same rules, no trial",
+        trained=True,
+    ),
     Card("uniform_random", "agents.controls:UniformRandom", {}, "one random setting, no trial"),
     Card("published_default", "agents.controls:PublishedDefault", {}, "the published setting, no trial"),
+    Card(
+        "rule_of_thumb",
+        "agents.controls:RuleOfThumb",
+        {},
+        "the published setting with ρ = exp(-7.5 / (α T)) for T iterations, no trial",
+    ),
     Card("random_search", "agents.controls:RandomSearch", {}, "uniform settings, the best run again"),
+    Card(
+        "sobol", "agents.controls:RandomSearch", {"design": "sobol"}, "a Sobol sequence, the best run again"
+    ),
+    Card(
+        "trial_and_error",
+        "agents.controls:TrialAndError",
+        {"repeats": 10},
+        "random sets, ten runs each where the budget allows, the best mean (liu2020)",
+    ),
     Card(
         "ga",
         "agents.evolutionary:GeneticAlgorithm",
         {},
         "genetic algorithm (pymoo), population fitted to the budget",
         "agents",
-        libraries=("pymoo",),
+        libraries=_PYMOO,
+    ),
+    Card(
+        "ga_paper",
+        "agents.evolutionary:GeneticAlgorithm",
+        {"settings": "paper"},
+        "genetic algorithm with liu2020's settings, 100 sets x 60 generations",
+        "agents",
+        libraries=_PYMOO,
     ),
     Card(
         "pso",
@@ -64,15 +95,79 @@ _CARDS = (
         {},
         "particle swarm (pymoo), swarm fitted to the budget",
         "agents",
-        libraries=("pymoo",),
+        libraries=_PYMOO,
+    ),
+    Card(
+        "pso_paper",
+        "agents.evolutionary:ParticleSwarm",
+        {"settings": "paper"},
+        "particle swarm with liu2020's settings, 100 particles x 100 iterations",
+        "agents",
+        libraries=_PYMOO,
+    ),
+    Card(
+        "de",
+        "agents.evolutionary:DifferentialEvolution",
+        {},
+        "differential evolution (pymoo), population fitted to the budget",
+        "agents",
+        libraries=_PYMOO,
+    ),
+    Card(
+        "cma_es",
+        "agents.covariance:CovarianceAdaptation",
+        {},
+        "CMA-ES (cmaes), restarts with twice the population",
+        "agents",
+        libraries=("cmaes",),
     ),
     Card(
         "optuna_tpe",
-        "agents.bayesian:TreeParzen",
-        {},
-        "tree-structured Parzen estimator (Optuna), in batches",
+        _OPTUNA,
+        {"sampler": "TPESampler"},
+        "tree-structured Parzen estimator (Optuna 5: multivariate, constant liar), in batches",
         "agents",
         libraries=("optuna",),
+    ),
+    Card(
+        "optuna_tpe_univariate",
+        _OPTUNA,
+        {"sampler": "TPESampler", "multivariate": False, "constant_liar": False},
+        "the same with every parameter on its own, Optuna's default before 5",
+        "agents",
+        libraries=("optuna",),
+    ),
+    Card(
+        "optuna_gp",
+        _OPTUNA,
+        {"sampler": "GPSampler"},
+        "Gaussian process (Optuna), log expected improvement, in batches",
+        "gp",
+        libraries=("optuna", "greenlet", "torch"),
+    ),
+    Card(
+        "optuna_cma",
+        _OPTUNA,
+        {"sampler": "CmaEsSampler"},
+        "CMA-ES as Optuna samples it, σ a sixth of the range around the default, whole generations",
+        "agents",
+        libraries=_CMAES,
+    ),
+    Card(
+        "optuna_qmc",
+        _OPTUNA,
+        {"sampler": "QMCSampler", "scramble": True},
+        "quasi-Monte Carlo as Optuna samples it, a scrambled Sobol sequence",
+        "agents",
+        libraries=("optuna", "scipy"),
+    ),
+    Card(
+        "optuna_race",
+        "agents.bayesian:OptunaRace",
+        {"sampler": "TPESampler", "p_threshold": 0.2},
+        "TPE over settings that are run repeatedly, with Optuna's Wilcoxon pruner",
+        "agents",
+        libraries=("optuna", "scipy"),
     ),
     Card(
         "transfer_graph",
@@ -138,6 +233,17 @@ def make(name: str, **overrides: Any) -> "Agent":
     _check_arguments(name, build, kwargs)
     agent: Agent = build(**kwargs)
     return agent
+
+
+def to_markdown() -> str:
+    """Return the table of all agents that the README shows: who, what, with which arguments, from which extra."""
+    lines = ["| agent | what it does | settings | extra |", "|---|---|---|---|"]
+    for card in CATALOGUE.values():
+        settings = ", ".join(f"{name}={value!r}" for name, value in card.kwargs.items())
+        name = f"`{card.name}`" + ("\\*" if card.trained else "")
+        cells = (name, card.summary, f"`{settings}`" if settings else "", card.needs or "")
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 def versions(name: str) -> dict[str, str]:

@@ -1,10 +1,11 @@
-"""A genetic algorithm and a particle swarm, both pymoo's, a whole generation per ask.
+"""A genetic algorithm, a particle swarm and differential evolution, all pymoo's, a whole generation per ask.
 
-pymoo's genetic algorithm keeps the best of parents and offspring (μ + λ), its swarm the best position of
-every particle; both trust costs they have seen, lucky ones included. The re-runs that follow the search are
-there for that.
+pymoo's genetic algorithm keeps the best of parents and offspring (μ + λ), its swarm the best position of every
+particle, differential evolution the better of parent and offspring; all trust costs they have seen, lucky ones
+included. The re-runs that follow the search are there for that.
 """
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any, NamedTuple, TypeVar
@@ -19,6 +20,7 @@ from antgym.tuning import Task
 
 Floats = NDArray[np.float64]
 SMALLEST_POPULATION = 8
+SMALLEST_DE = 4
 
 
 class GASettings(NamedTuple):
@@ -63,13 +65,76 @@ class PSOSettings(NamedTuple):
     rerun_share: float = RERUN_SHARE
 
 
+class DESettings(NamedTuple):
+    """Settings of differential evolution.
+
+    Attributes:
+        population: settings per generation, ≥ 4; None fits it to the budget (:func:`fit_population`).
+        generations: where to stop; None searches as long as the budget lasts.
+        variant: base vector, number of differences and crossover, as pymoo writes it.
+        weight: F, the share of a difference that is added.
+        crossover: CR, probability that a parameter comes from the new vector.
+        mutation: probability that an offspring is then mutated (polynomial mutation).
+        rerun_share: share of the budget kept to run the best settings again.
+    """
+
+    population: int | None = None
+    generations: int | None = None
+    variant: str = "DE/rand/1/bin"
+    weight: float = 0.5
+    crossover: float = 0.9
+    mutation: float = 0.1
+    rerun_share: float = RERUN_SHARE
+
+
 # liu2020's, with no re-runs; it is silent on distribution indices and the inertia: pymoo's defaults stand in.
 GA_SETTINGS = {"fitted": GASettings(), "paper": GASettings(100, 60, 0.2, 0.2, 15.0, 20.0, rerun_share=0.0)}
 PSO_SETTINGS = {"fitted": PSOSettings(), "paper": PSOSettings(100, 100, 0.9, 0.1, 0.1, rerun_share=0.0)}
-_S = TypeVar("_S", GASettings, PSOSettings)
+DE_SETTINGS = {"fitted": DESettings()}
+_S = TypeVar("_S", GASettings, PSOSettings, DESettings)
 
 
-class GeneticAlgorithm(Search):
+class _Generations(Search):
+    """pymoo's ask and tell over the unit cube, up to a number of generations.
+
+    Args:
+        settings: checked settings of the algorithm that ``_build`` makes.
+    """
+
+    settings: GASettings | PSOSettings | DESettings
+
+    def __init__(self, settings: GASettings | PSOSettings | DESettings) -> None:
+        self._pymoo = _pymoo()
+        super().__init__(settings.rerun_share)
+        self.settings = settings
+
+    def _start(self, task: Task, trials: int, seed: int) -> None:
+        pymoo = self._pymoo
+        self._problem = pymoo.Problem(n_var=len(task.space), n_obj=1, xl=0.0, xu=1.0)
+        self._algorithm = self._build(pymoo, self.settings.population or fit_population(trials))
+        self._algorithm.setup(self._problem, termination=pymoo.NoTermination(), seed=seed)
+        self._done = 0
+
+    @abstractmethod
+    def _build(self, pymoo: SimpleNamespace, population: int) -> Any:
+        """Return pymoo's algorithm."""
+
+    def _propose(self) -> Floats:
+        if self._done == self.settings.generations:
+            return np.empty((0, self._problem.n_var))
+        self._generation = self._algorithm.ask()
+        return np.asarray(self._generation.get("X"), dtype=np.float64)
+
+    def _learn(self, costs: Floats) -> None:
+        """Close the generation; one that came back short is dropped, for pymoo takes whole ones only."""
+        if len(costs) == len(self._generation):
+            outcome = self._pymoo.StaticProblem(self._problem, F=costs[:, None])
+            self._pymoo.Evaluator().eval(outcome, self._generation)
+            self._algorithm.tell(infills=self._generation)
+            self._done += 1
+
+
+class GeneticAlgorithm(_Generations):
     """pymoo's genetic algorithm.
 
     Args:
@@ -77,28 +142,22 @@ class GeneticAlgorithm(Search):
         changes: fields of :class:`GASettings` to change.
     """
 
-    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
-        self.settings = _choose(GA_SETTINGS, settings, changes)
-        super().__init__(self.settings.rerun_share)
+    settings: GASettings
 
-    def _start(self, task: Task, trials: int, seed: int) -> None:
-        pymoo, chosen = _pymoo(), self.settings
-        algorithm = pymoo.GA(
-            pop_size=chosen.population or fit_population(trials),
+    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
+        super().__init__(_choose(GA_SETTINGS, settings, changes))
+
+    def _build(self, pymoo: SimpleNamespace, population: int) -> Any:
+        chosen = self.settings
+        return pymoo.GA(
+            pop_size=population,
             crossover=pymoo.SBX(prob=chosen.crossover, eta=chosen.crossover_index),
             mutation=pymoo.PM(prob=chosen.mutation, eta=chosen.mutation_index),
             eliminate_duplicates=False,
         )
-        self._generations = _Generations(pymoo, algorithm, len(task.space), seed, chosen.generations)
-
-    def _propose(self) -> Floats:
-        return self._generations.propose()
-
-    def _learn(self, costs: Floats) -> None:
-        self._generations.learn(costs)
 
 
-class ParticleSwarm(Search):
+class ParticleSwarm(_Generations):
     """pymoo's particle swarm, with constant weights.
 
     Args:
@@ -107,27 +166,49 @@ class ParticleSwarm(Search):
         changes: fields of :class:`PSOSettings` to change.
     """
 
-    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
-        self.settings = _choose(PSO_SETTINGS, settings, changes)
-        super().__init__(self.settings.rerun_share)
+    settings: PSOSettings
 
-    def _start(self, task: Task, trials: int, seed: int) -> None:
-        pymoo, chosen = _pymoo(), self.settings
-        algorithm = pymoo.PSO(
-            pop_size=chosen.population or fit_population(trials),
+    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
+        super().__init__(_choose(PSO_SETTINGS, settings, changes))
+
+    def _build(self, pymoo: SimpleNamespace, population: int) -> Any:
+        chosen = self.settings
+        return pymoo.PSO(
+            pop_size=population,
             w=chosen.inertia,
             c1=chosen.cognitive,
             c2=chosen.social,
             adaptive=False,
             pertube_best=False,
         )
-        self._generations = _Generations(pymoo, algorithm, len(task.space), seed, chosen.generations)
 
-    def _propose(self) -> Floats:
-        return self._generations.propose()
 
-    def _learn(self, costs: Floats) -> None:
-        self._generations.learn(costs)
+class DifferentialEvolution(_Generations):
+    """pymoo's differential evolution: an offspring takes the place of its parent where it is no worse.
+
+    Args:
+        settings: ``"fitted"`` to the budget.
+        changes: fields of :class:`DESettings` to change.
+    """
+
+    settings: DESettings
+
+    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
+        super().__init__(_choose(DE_SETTINGS, settings, changes))
+        if self.settings.population is not None and self.settings.population < SMALLEST_DE:
+            raise ParameterError(
+                f"population = {self.settings.population}: a difference between others needs at least {SMALLEST_DE}"
+            )
+
+    def _build(self, pymoo: SimpleNamespace, population: int) -> Any:
+        chosen = self.settings
+        return pymoo.DE(
+            pop_size=population,
+            variant=chosen.variant,
+            F=chosen.weight,
+            CR=chosen.crossover,
+            prob_mut=chosen.mutation,
+        )
 
 
 def fit_population(trials: int) -> int:
@@ -137,35 +218,6 @@ def fit_population(trials: int) -> int:
     on noisy mountains four or six of either algorithm did worse than random search at every budget tried.
     """
     return max(SMALLEST_POPULATION, round(trials**0.5))
-
-
-class _Generations:
-    """pymoo's ask and tell over the unit cube, up to a number of generations."""
-
-    def __init__(
-        self, pymoo: SimpleNamespace, algorithm: Any, dimension: int, seed: int, limit: int | None
-    ) -> None:
-        self._pymoo = pymoo
-        self._problem = pymoo.Problem(n_var=dimension, n_obj=1, xl=0.0, xu=1.0)
-        self._algorithm = algorithm
-        self._algorithm.setup(self._problem, termination=pymoo.NoTermination(), seed=seed)
-        self._limit = limit
-        self._done = 0
-        self._generation: Any = None
-
-    def propose(self) -> Floats:
-        if self._done == self._limit:
-            return np.empty((0, self._problem.n_var))
-        self._generation = self._algorithm.ask()
-        return np.asarray(self._generation.get("X"), dtype=np.float64)
-
-    def learn(self, costs: Floats) -> None:
-        """Close the generation; one that came back short is dropped, for pymoo takes whole ones only."""
-        if len(costs) == len(self._generation):
-            outcome = self._pymoo.StaticProblem(self._problem, F=costs[:, None])
-            self._pymoo.Evaluator().eval(outcome, self._generation)
-            self._algorithm.tell(infills=self._generation)
-            self._done += 1
 
 
 def _choose(known: Mapping[str, _S], name: str, changes: Mapping[str, Any]) -> _S:
@@ -183,8 +235,9 @@ def _choose(known: Mapping[str, _S], name: str, changes: Mapping[str, Any]) -> _
 
 
 def _pymoo() -> SimpleNamespace:
-    """Import what is used of pymoo; a third of a second that only these two agents pay."""
+    """Import what is used of pymoo; a third of a second that only these agents pay."""
     try:
+        from pymoo.algorithms.soo.nonconvex.de import DE
         from pymoo.algorithms.soo.nonconvex.ga import GA
         from pymoo.algorithms.soo.nonconvex.pso import PSO
         from pymoo.core.evaluator import Evaluator
@@ -196,6 +249,7 @@ def _pymoo() -> SimpleNamespace:
     except ModuleNotFoundError as error:
         raise MissingExtraError("pymoo", "agents") from error
     return SimpleNamespace(
+        DE=DE,
         GA=GA,
         PSO=PSO,
         SBX=SBX,

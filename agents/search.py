@@ -1,4 +1,4 @@
-"""The loop that all searching agents share: search in batches, then run the best again, then judge."""
+"""What agents share: a recommendation without a trial, or a search in batches, then the best again, then a verdict."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -10,6 +10,29 @@ from agents.judgement import RERUN_SHARE, Judgement
 from antgym.tuning import Task, Trial
 
 Floats = NDArray[np.float64]
+
+
+class ZeroShot(ABC):
+    """An agent that recommends what it sees fit for a task, with no trial."""
+
+    def reset(self, task: Task, *, seed: int) -> None:
+        """Choose for a task."""
+        self._setting = self._choose(task, seed)
+
+    def ask(self) -> Floats:
+        """Return no settings, (0, d)."""
+        return np.empty((0, len(self._setting)))
+
+    def tell(self, trials: Sequence[Trial]) -> None:  # noqa: B027 - nothing to do, not to be filled in
+        """Ignore trials."""
+
+    def recommend(self) -> Floats:
+        """Return the setting, (d,)."""
+        return self._setting.copy()
+
+    @abstractmethod
+    def _choose(self, task: Task, seed: int) -> Floats:
+        """Return the setting, (d,) in [0, 1]."""
 
 
 class Search(ABC):
@@ -55,3 +78,8 @@ class Search(ABC):
     @abstractmethod
     def _learn(self, costs: Floats) -> None:
         """Take the costs of the last batch's first settings, (j,), j ≤ k."""
+
+
+def narrow_seed(seed: int) -> int:
+    """Return a seed below 2³², all that some libraries take, from any seed."""
+    return int(np.random.SeedSequence(seed).generate_state(1)[0])

@@ -1,19 +1,22 @@
-"""The single best static setting: one setting for every map, raced on source maps."""
+"""The single best static setting, for every map or one for every rule, raced on source maps."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.search import ZeroShot
 from antgym.errors import ParameterError
-from antgym.tuning import COST_CAP, Session, Task, Trial
+from antgym.tuning import COST_CAP, Session, Task, shown_rules
 
 Floats = NDArray[np.float64]
 FORMAT = "antgym static setting 1"
+FORMAT_BY_RULES = "antgym static settings by rules 1"
 KEEP = 0.25
+_T = TypeVar("_T")
 
 
 class StaticSetting(NamedTuple):
@@ -25,20 +28,42 @@ class StaticSetting(NamedTuple):
 
     def save(self, path: Path) -> None:
         """Write it as JSON; the file appears whole or not at all."""
-        draft = path.with_name(path.name + ".tmp")
-        draft.write_text(json.dumps({"format": FORMAT, **self._asdict()}, indent=1), encoding="utf-8")
-        draft.replace(path)
+        _write(path, FORMAT, self._asdict())
 
     @classmethod
     def load(cls, path: Path) -> "StaticSetting":
         """Read it; ParameterError names the file and what is wrong."""
-        try:
-            content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-            if content.pop("format") != FORMAT:
-                raise ParameterError(f"{path}: not an {FORMAT!r}")
-            return cls(tuple(content["unit"]), int(content["evaluations"]), tuple(content["parameters"]))
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ParameterError(f"{path}: no static setting ({error})") from None
+        return _read(path, FORMAT, cls.of)
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any]) -> "StaticSetting":
+        """Return what a dictionary of its fields says."""
+        return cls(tuple(content["unit"]), int(content["evaluations"]), tuple(content["parameters"]))
+
+
+class StaticSettings(NamedTuple):
+    """Raced settings, ``by_rules``: name of the rules -> the setting that did best under them."""
+
+    by_rules: Mapping[str, StaticSetting]
+
+    @property
+    def evaluations(self) -> int:
+        """Trials that finding all of them spent."""
+        return sum(setting.evaluations for setting in self.by_rules.values())
+
+    def save(self, path: Path) -> None:
+        """Write them as JSON; the file appears whole or not at all."""
+        settings = {rules: setting._asdict() for rules, setting in self.by_rules.items()}
+        _write(path, FORMAT_BY_RULES, {"by_rules": settings})
+
+    @classmethod
+    def load(cls, path: Path) -> "StaticSettings":
+        """Read them; ParameterError names the file and what is wrong."""
+        return _read(path, FORMAT_BY_RULES, cls._of)
+
+    @classmethod
+    def _of(cls, content: Mapping[str, Any]) -> "StaticSettings":
+        return cls({rules: StaticSetting.of(found) for rules, found in content["by_rules"].items()})
 
 
 def race(sessions: Sequence[Session], candidates: Floats, *, first: int = 16) -> StaticSetting:
@@ -72,7 +97,21 @@ def race(sessions: Sequence[Session], candidates: Floats, *, first: int = 16) ->
     return StaticSetting(winner, spent, sessions[0].task.space.names)
 
 
-class StaticAgent:
+def race_by_rules(sessions: Sequence[Session], candidates: Floats, *, first: int = 16) -> StaticSettings:
+    """Race settings over the maps of each rule apart; arguments and races are those of :func:`race`.
+
+    Raises:
+        ParameterError: where a session's task shows no published rules, or there is nothing to race.
+    """
+    groups: dict[str, list[Session]] = {}
+    for session in sessions:
+        groups.setdefault(_rules(session.task), []).append(session)
+    if not groups:
+        raise ParameterError(f"a race needs maps and settings, got 0 and {len(candidates)}")
+    return StaticSettings({rules: race(group, candidates, first=first) for rules, group in groups.items()})
+
+
+class StaticAgent(ZeroShot):
     """Recommend a raced setting, with no trial.
 
     Args:
@@ -82,20 +121,58 @@ class StaticAgent:
     def __init__(self, setting: StaticSetting | Path | str) -> None:
         self.setting = setting if isinstance(setting, StaticSetting) else StaticSetting.load(Path(setting))
 
-    def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - the protocol's signature
-        """Take on a task; ParameterError where it has other parameters."""
-        if task.space.names != self.setting.parameters:
+    def _choose(self, task: Task, seed: int) -> Floats:  # noqa: ARG002 - the same for every seed
+        return _fit(self.setting, task)
+
+
+class StaticByRules(ZeroShot):
+    """Recommend the setting that was raced under a task's own rules, with no trial.
+
+    What rules they are is among the features that every agent sees. Rules that were not raced are refused: a setting of
+    other rules would not be what the name says.
+
+    Args:
+        settings: the settings or their file.
+    """
+
+    def __init__(self, settings: StaticSettings | Path | str) -> None:
+        if not isinstance(settings, StaticSettings):
+            settings = StaticSettings.load(Path(settings))
+        self.settings = settings
+
+    def _choose(self, task: Task, seed: int) -> Floats:  # noqa: ARG002 - the same for every seed
+        by_rules, rules = self.settings.by_rules, _rules(task)
+        if rules not in by_rules:
             raise ParameterError(
-                f"the setting is for {self.setting.parameters}, the task has {task.space.names}"
+                f"no setting was raced for the rules {rules!r}, only for {', '.join(by_rules)}"
             )
+        return _fit(by_rules[rules], task)
 
-    def ask(self) -> Floats:
-        """Return no settings, (0, d)."""
-        return np.empty((0, len(self.setting.unit)))
 
-    def tell(self, trials: Sequence[Trial]) -> None:
-        """Ignore trials."""
+def _fit(setting: StaticSetting, task: Task) -> Floats:
+    if task.space.names != setting.parameters:
+        raise ParameterError(f"the setting is for {setting.parameters}, the task has {task.space.names}")
+    return np.array(setting.unit)
 
-    def recommend(self) -> Floats:
-        """Return the setting, (d,)."""
-        return np.array(self.setting.unit)
+
+def _rules(task: Task) -> str:
+    rules = shown_rules(task.features)
+    if rules is None:
+        raise ParameterError("the task goes by rules of its own, a setting by rules is for published ones")
+    return rules
+
+
+def _write(path: Path, form: str, content: Mapping[str, Any]) -> None:
+    draft = path.with_name(path.name + ".tmp")
+    draft.write_text(json.dumps({"format": form, **content}, indent=1), encoding="utf-8")
+    draft.replace(path)
+
+
+def _read(path: Path, form: str, make: Callable[[Mapping[str, Any]], _T]) -> _T:
+    try:
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if (found := content.pop("format")) != form:
+            raise ValueError(f"its format is {found!r}")
+        return make(content)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ParameterError(f"{path}: no {form!r} ({error})") from None

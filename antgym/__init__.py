@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from antgym.planners.colony import Colony, plan, plan_many
     from antgym.planners.parameters import ColonyParameters
     from antgym.planners.rules import Rules
-    from antgym.tuning.agent import tune
+    from antgym.tuning.agent import tune, tune_together
     from antgym.tuning.problem import TuningProblem
     from antgym.tuning.session import Session
 
@@ -42,6 +42,7 @@ _HOMES = {
     "plan_many": "antgym.planners.colony",
     "read_heights": "antgym.maps.readers",
     "tune": "antgym.tuning.agent",
+    "tune_together": "antgym.tuning.agent",
     "voxelise": "antgym.maps.shaping",
 }
 
@@ -64,6 +65,7 @@ __all__ = [
     "plan_many",
     "read_heights",
     "tune",
+    "tune_together",
     "voxelise",
 ]
 

@@ -4,14 +4,14 @@ import hashlib
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import agents
 from agents.graph import TransferGraph, trials_needed
-from agents.static import StaticSetting, race
+from agents.static import StaticSetting, StaticSettings, race, race_by_rules
 from antgym.console import progress
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.problem import TuningProblem
@@ -19,11 +19,13 @@ from antgym.tuning.session import Session, Trial
 from experiments.presets import Preset
 from experiments.train import Arguments, train
 
+Floats = NDArray[np.float64]
+_T = TypeVar("_T")
 REPEATS = 5
-
 
 ARGUMENTS = {
     "agents.static:StaticAgent": ("setting", "static.json"),
+    "agents.static:StaticByRules": ("settings", "static_by_rules.json"),
     "agents.transfer:TransferAgent": ("graph", "graph.json"),
     "agents.policy:PolicyAgent": ("path", "policy.json"),
 }
@@ -35,8 +37,12 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
     folder.mkdir(parents=True, exist_ok=True)
     steps: dict[str, tuple[Callable[[Path], Any], Callable[[Path], int]]] = {
         "static.json": (
-            lambda path: _race(suite, preset).save(path),
+            lambda path: _race(race, suite, preset).save(path),
             lambda p: StaticSetting.load(p).evaluations,
+        ),
+        "static_by_rules.json": (
+            lambda path: _race(race_by_rules, suite, preset).save(path),
+            lambda p: StaticSettings.load(p).evaluations,
         ),
         "graph.json": (
             lambda path: _fit(suite, preset).save(path),
@@ -87,14 +93,14 @@ class _Watched(Session):
         return trials
 
 
-def _race(suite: str, preset: Preset) -> StaticSetting:
+def _race(by: Callable[[Sequence[Session], Floats], _T], suite: str, preset: Preset) -> _T:
     from scipy.stats import qmc
 
     items = load_suite(suite, "train")[: preset.race_maps]
     candidates = qmc.Sobol(4, seed=0).random(preset.race_settings)
-    with progress("racing for the best static setting", None) as advance:
+    with progress("racing for the best static settings", None) as advance:
         sessions = [_Watched(problem(item, "race"), preset.race_settings, advance) for item in items]
-        return race(sessions, np.clip(candidates, 0, 1))
+        return by(sessions, np.clip(candidates, 0, 1))
 
 
 def _fit(suite: str, preset: Preset) -> TransferGraph:

@@ -84,7 +84,11 @@ def _row(
         tuner_seconds=float(np.mean([clock.get("tuner", 0.0) for clock in clocks])),
         planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in clocks])),
         optimism=float(np.mean(optimism)) if optimism else None,
-        card={"training trials": entrant.training, "versions": agents.versions(entrant.name)},
+        card={
+            "training trials": entrant.training,
+            "settings": dict(agents.find_card(entrant.name).kwargs),
+            "versions": agents.versions(entrant.name),
+        },
     )
 
 

@@ -1,7 +1,8 @@
 """One paid trial: spaces, tasks, budgets, sessions, agents and the ledger. All that an agent may import."""
 
 from antgym.planners.space import Parameter, ParameterSpace
-from antgym.tuning.agent import Agent, Result, tune
+from antgym.tuning.agent import Agent, Result, tune, tune_together
+from antgym.tuning.features import shown_rules
 from antgym.tuning.observation import observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Task
 from antgym.tuning.session import Budget, Session, Trial
@@ -18,5 +19,7 @@ __all__ = [
     "Trial",
     "observe",
     "observe_with_map",
+    "shown_rules",
     "tune",
+    "tune_together",
 ]

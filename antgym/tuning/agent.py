@@ -1,4 +1,4 @@
-"""The agent protocol and the loop that runs it."""
+"""The agent protocol and the loops that run it: one agent, or many in lock-step."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
@@ -6,8 +6,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from antgym.errors import ParameterError
 from antgym.tuning.problem import Task
-from antgym.tuning.session import Session, Trial
+from antgym.tuning.session import Session, Trial, evaluate_together
 
 
 class Agent(Protocol):
@@ -43,3 +44,30 @@ def tune(agent: Agent, session: Session, *, seed: int) -> Result:
     while session.left and len(units := agent.ask()):
         agent.tell(session.evaluate(units))
     return Result(session.problem.space.check(agent.recommend())[0], session.trials)
+
+
+def tune_together(runs: Sequence[tuple[Agent, Session, int]]) -> list[Result]:
+    """Let many agents spend a session each, in lock-step: what they ask for in a round is one planner call.
+
+    Every result is that of ``tune(agent, session, seed=seed)``, bit for bit. Seeds × maps of an evolutionary agent so
+    cost one planner call a generation, which keeps all cores busy where the batch of a single agent would not.
+
+    Args:
+        runs: (agent, session, seed); every agent and every session an object of its own.
+
+    Raises:
+        ParameterError: where an agent or a session appears twice (nobody is charged).
+    """
+    for place, what in enumerate(("an agent", "a session")):
+        if len({id(run[place]) for run in runs}) < len(runs):
+            raise ParameterError(f"{what} appears twice; every run needs one of its own")
+    for agent, session, seed in runs:
+        agent.reset(session.task, seed=seed)
+    playing = [(agent, session) for agent, session, _ in runs]
+    while playing:
+        asked = [(a, s, units) for a, s in playing if s.left and len(units := a.ask())]
+        told = evaluate_together([(session, units) for _, session, units in asked])
+        for (agent, _, _), trials in zip(asked, told, strict=True):
+            agent.tell(trials)
+        playing = [(agent, session) for agent, session, _ in asked]
+    return [Result(s.problem.space.check(a.recommend())[0], s.trials) for a, s, _ in runs]

@@ -51,3 +51,10 @@ def feature_bounds(features: Sequence[Feature]) -> tuple[NDArray[np.float32], ND
     """Return (low, high) of some features, float32 both."""
     low, high = [f.low for f in features], [f.high for f in features]
     return np.array(low, dtype=np.float32), np.array(high, dtype=np.float32)
+
+
+def shown_rules(features: NDArray[np.float32]) -> str | None:
+    """Return the published rules that the features of a task show; None where they show rules of one's own."""
+    first = TASK_FEATURES.index(RULE_FEATURES[0])
+    shown = np.flatnonzero(features[first : first + len(RULES_SHOWN)])
+    return RULES_SHOWN[shown[0]] if len(shown) else None

@@ -17,6 +17,9 @@ class Bowl:
         noise: relative standard deviation of a trial's cost.
         fails: whether every trial fails.
         granted: trials at most in one batch, to send back fewer than asked.
+        straight_line: what Q scales with.
+        rules: whose parameters are chosen; the features show them, and nothing else.
+        iterations: of a run.
     """
 
     def __init__(
@@ -28,9 +31,12 @@ class Bowl:
         fails=False,
         granted=None,
         straight_line=100.0,
+        rules="liu2020",
+        iterations=50,
     ):
-        space = PAPERS["liu2020"].ranges.space(straight_line)
-        self.task = Task(space, np.zeros(len(TASK_FEATURES), np.float32), 20, 50, budget)
+        space = PAPERS[rules].ranges.space(straight_line)
+        features = np.array([feature.name == f"rules_{rules}" for feature in TASK_FEATURES], np.float32)
+        self.task = Task(space, features, 20, iterations, budget)
         self.problem = self  # tune() asks a session's problem for the space
         self.space = space
         self.optimum, self.noise, self.fails = np.array(optimum), noise, fails

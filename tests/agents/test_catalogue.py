@@ -1,28 +1,60 @@
 """The contract of every agent that needs no training, and of the transfer agents on a small graph."""
 
 import copy
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import agents
-from agents.static import StaticSetting
+from agents.static import StaticSetting, StaticSettings
 from antgym.errors import MissingExtraError, ParameterError
-from antgym.tuning import tune
+from antgym.maps.world import GridWorld, Scenario
+from antgym.tuning import COST_CAP, Session, tune, tune_together
+from antgym.tuning.problem import TuningProblem
 
-REQUIRES = {"ga": "pymoo", "pso": "pymoo", "optuna_tpe": "optuna"}
-NAMES = tuple(name for name in agents.CATALOGUE if name != "rl")
+SLOW = ("optuna_gp",)
+NAMES = [
+    pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
+    for name in agents.CATALOGUE
+    if name != "rl"
+]
+SEARCHING = [f"agents.{module}" for module in ("bayesian", "controls", "covariance", "evolutionary")]
+SEARCHERS = [
+    name
+    for name, card in agents.CATALOGUE.items()
+    if card.entry_point.split(":")[0] in SEARCHING and "no trial" not in card.summary
+]
+README = Path(__file__).parents[2] / "README.md"
+
+
+def require(name):
+    """Skip where a library behind an agent is absent."""
+    for library in agents.CATALOGUE[name].libraries:
+        pytest.importorskip(library)
 
 
 @pytest.fixture(params=NAMES)
 def build(request, graph):
     """A function that makes a fresh agent of one catalogue entry."""
-    if request.param in REQUIRES:
-        pytest.importorskip(REQUIRES[request.param])
     card = agents.CATALOGUE[request.param]
+    require(card.name)
     static = StaticSetting((0.2, 0.4, 0.6, 0.8), 1, graph.parameters)
-    trained = {"setting": static} if card.name == "best_static" else {"graph": graph}
-    return lambda: agents.make(card.name, **(trained if card.trained else {}))
+    trained = {
+        "agents.static:StaticAgent": {"setting": static},
+        "agents.static:StaticByRules": {"settings": StaticSettings({"liu2020": static})},
+        "agents.transfer:TransferAgent": {"graph": graph},
+    }
+    return lambda: agents.make(card.name, **trained.get(card.entry_point, {}))
+
+
+@pytest.fixture
+def walled_in():
+    """No path: the layer in the middle is blocked."""
+    free = np.ones((5, 3, 3), bool)
+    free[2] = False
+    return Scenario(GridWorld(free), (0, 1, 1), (4, 1, 1))
 
 
 @pytest.mark.parametrize("budget", [1, 3, 7, 100])
@@ -102,10 +134,33 @@ def test_recommending_changes_nothing(build, bowl):
     assert agent.recommend().tolist() == kept.tolist()
 
 
-@pytest.mark.parametrize("name", ["random_search", "ga", "pso", "optuna_tpe"])
+@pytest.mark.parametrize("population", [8, 50])
+@pytest.mark.parametrize("name", ["ga", "pso", "de", "cma_es"])
+def test_a_population_larger_than_the_budget_is_cut_to_it(name, population, bowl):
+    require(name)
+    session = bowl(7, noise=0.1)
+    result = tune(agents.make(name, population=population), session, seed=0)
+    assert [len(batch) for batch in session.batches] == [6, 1]
+    session.space.check(result.recommendation)
+
+
+def test_agents_in_lock_step_do_what_they_do_alone(build, valley):
+    runs = [(build(), Session(TuningProblem(valley, ants=2, iterations=2, seed=i), 12), i) for i in range(2)]
+    for result, (_, session, seed) in zip(tune_together(runs), runs, strict=True):
+        alone = tune(build(), Session(session.problem, 12), seed=seed)
+        assert result.trials == alone.trials
+        assert result.recommendation.tolist() == alone.recommendation.tolist()
+
+
+def test_an_agent_copes_where_no_run_of_the_planner_finds_a_path(build, walled_in):
+    session = Session(TuningProblem(walled_in, ants=1, iterations=1), 12)
+    session.problem.space.check(tune(build(), session, seed=0).recommendation)
+    assert {trial.cost for trial in session.trials} <= {COST_CAP}
+
+
+@pytest.mark.parametrize("name", [name for name in SEARCHERS if name not in SLOW])
 def test_searching_beats_the_default_on_an_easy_bowl(name, bowl):
-    if name in REQUIRES:
-        pytest.importorskip(REQUIRES[name])
+    require(name)
     session = bowl(100, optimum=(0.9, 0.1, 0.2, 0.8), noise=0.02)
     found = tune(agents.make(name), session, seed=0).recommendation
     assert session.cost(found)[0] < session.cost(np.full(4, 0.5))[0]
@@ -114,7 +169,7 @@ def test_searching_beats_the_default_on_an_easy_bowl(name, bowl):
 
 def test_an_unknown_agent_names_the_nearest():
     with pytest.raises(ParameterError, match="did you mean 'optuna_tpe'"):
-        agents.make("optuna")
+        agents.make("optuna_tp")
 
 
 def test_an_unknown_argument_names_the_nearest():
@@ -122,27 +177,53 @@ def test_an_unknown_argument_names_the_nearest():
         agents.make("random_search", rerun=0.1)
 
 
-@pytest.mark.parametrize("name", ["ga", "pso"])
+@pytest.mark.parametrize("name", ["ga", "pso", "de", "cma_es"])
 def test_an_unknown_setting_names_the_nearest(name):
+    require(name)
     with pytest.raises(ParameterError, match="did you mean 'population'"):
         agents.make(name, popullation=10)
 
 
-@pytest.mark.parametrize(("name", "argument"), [("transfer_graph", "graph"), ("rl", "path")])
+@pytest.mark.parametrize(
+    ("name", "argument"), [("transfer_graph", "graph"), ("rl", "path"), ("best_static_by_rules", "settings")]
+)
 def test_a_trained_agent_without_its_artefact_says_what_it_needs(name, argument):
     with pytest.raises(ParameterError, match=f"needs {argument}="):
         agents.make(name)
 
 
 def test_versions_name_every_library_behind_an_agent():
-    pytest.importorskip("optuna")
-    assert set(agents.versions("optuna_tpe")) == {"numpy", "optuna"}
+    require("optuna_cma")
+    assert set(agents.versions("optuna_cma")) == {"numpy", "optuna", "cmaes"}
 
 
-@pytest.mark.parametrize(("name", "library"), [("ga", "pymoo"), ("optuna_tpe", "optuna")])
-def test_a_missing_library_says_how_to_mend_it(name, library, bowl, monkeypatch):
-    for module in [m for m in __import__("sys").modules if m == library or m.startswith(f"{library}.")]:
-        monkeypatch.delitem(__import__("sys").modules, module)
-    monkeypatch.setitem(__import__("sys").modules, library, None)
-    with pytest.raises(MissingExtraError, match=r"antgym\[agents\]"):
-        agents.make(name).reset(bowl(10).task, seed=0)
+@pytest.mark.parametrize(
+    ("name", "library", "extra"),
+    [
+        ("ga", "pymoo", "agents"),
+        ("cma_es", "cmaes", "agents"),
+        ("optuna_tpe", "optuna", "agents"),
+        ("optuna_cma", "cmaes", "agents"),
+        ("optuna_gp", "torch", "gp"),
+        ("optuna_gp", "greenlet", "gp"),
+    ],
+)
+def test_a_missing_library_says_how_to_mend_it(name, library, extra, bowl, monkeypatch):
+    for before in agents.CATALOGUE[name].libraries[: agents.CATALOGUE[name].libraries.index(library)]:
+        pytest.importorskip(before)
+    for module in [m for m in sys.modules if m == library or m.startswith(f"{library}.")]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(MissingExtraError, match=rf"{library} is not .*antgym\[{extra}\]"):
+        agents.make(name)
+
+
+def test_the_readme_shows_the_agents_as_they_are():
+    """If not: put what ``python -c "import agents; print(agents.to_markdown())"`` prints between the marks."""
+    shown = README.read_text(encoding="utf-8").partition("<!-- agents:begin -->\n")[2]
+    assert shown.partition("\n<!-- agents:end -->")[0] == agents.to_markdown()
+
+
+def test_a_card_holds_every_argument_that_makes_an_agent_another():
+    told = [(card.entry_point, sorted(card.kwargs.items(), key=str)) for card in agents.CATALOGUE.values()]
+    assert all(told.count(pair) == 1 for pair in told)

@@ -1,10 +1,11 @@
-"""The genetic algorithm and the swarm are pymoo's: they propose what pymoo's own loop proposes."""
+"""The genetic algorithm, the swarm and differential evolution are pymoo's: they propose what its own loop proposes."""
 
 import numpy as np
 import pytest
 
 pytest.importorskip("pymoo")
 
+from pymoo.algorithms.soo.nonconvex.de import DE
 from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.algorithms.soo.nonconvex.pso import PSO
 from pymoo.core.problem import Problem
@@ -12,22 +13,35 @@ from pymoo.operators.crossover.sbx import SBX
 from pymoo.operators.mutation.pm import PM
 from pymoo.optimize import minimize
 
-from agents.evolutionary import GeneticAlgorithm, ParticleSwarm, fit_population
+from agents.evolutionary import DifferentialEvolution, GeneticAlgorithm, ParticleSwarm, fit_population
 from antgym.errors import ParameterError
 from antgym.tuning import tune
 
 GENERATIONS, POPULATION = 6, 10
 OWN = {
-    GeneticAlgorithm: lambda: GA(
+    (GeneticAlgorithm, "paper"): lambda: GA(
         pop_size=POPULATION,
         crossover=SBX(prob=0.2, eta=15.0),
         mutation=PM(prob=0.2, eta=20.0),
         eliminate_duplicates=False,
     ),
-    ParticleSwarm: lambda: PSO(
+    (GeneticAlgorithm, "fitted"): lambda: GA(
+        pop_size=POPULATION,
+        crossover=SBX(prob=0.9, eta=5.0),
+        mutation=PM(prob=0.9, eta=5.0),
+        eliminate_duplicates=False,
+    ),
+    (ParticleSwarm, "paper"): lambda: PSO(
         pop_size=POPULATION, w=0.9, c1=0.1, c2=0.1, adaptive=False, pertube_best=False
     ),
+    (ParticleSwarm, "fitted"): lambda: PSO(
+        pop_size=POPULATION, w=0.7298, c1=1.4962, c2=1.4962, adaptive=False, pertube_best=False
+    ),
+    (DifferentialEvolution, "fitted"): lambda: DE(
+        pop_size=POPULATION, variant="DE/rand/1/bin", F=0.5, CR=0.9, prob_mut=0.1
+    ),
 }
+AGENTS = (GeneticAlgorithm, ParticleSwarm, DifferentialEvolution)
 
 
 class _Recorded(Problem):
@@ -42,17 +56,17 @@ class _Recorded(Problem):
         out["F"] = self.session.cost(x)
 
 
-@pytest.mark.parametrize("agent", OWN)
-def test_an_agent_proposes_what_pymoos_own_loop_proposes(agent, bowl):
+@pytest.mark.parametrize(("agent", "settings"), OWN)
+def test_an_agent_proposes_what_pymoos_own_loop_proposes(agent, settings, bowl):
     session = bowl(GENERATIONS * POPULATION)
-    tune(agent("paper", population=POPULATION, generations=GENERATIONS), session, seed=7)
+    tune(agent(settings, population=POPULATION, generations=GENERATIONS, rerun_share=0.0), session, seed=7)
     problem = _Recorded(session)
-    minimize(problem, OWN[agent](), ("n_gen", GENERATIONS), seed=7)
+    minimize(problem, OWN[agent, settings](), ("n_gen", GENERATIONS), seed=7)
     assert len(session.batches) == GENERATIONS
     np.testing.assert_array_equal(session.batches, problem.generations)
 
 
-@pytest.mark.parametrize("agent", OWN)
+@pytest.mark.parametrize("agent", AGENTS)
 def test_a_generation_longer_than_the_budget_is_cut(agent, bowl):
     session = bowl(25)
     tune(agent(population=10, rerun_share=0.0), session, seed=0)
@@ -80,3 +94,8 @@ def test_the_population_fits_the_budget(trials, population):
 def test_settings_that_make_no_sense_are_refused(changes):
     with pytest.raises(ParameterError):
         GeneticAlgorithm(**changes)
+
+
+def test_differences_between_three_others_are_refused():
+    with pytest.raises(ParameterError, match="population = 3"):
+        DifferentialEvolution(population=3)

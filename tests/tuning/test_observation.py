@@ -15,7 +15,7 @@ from antgym.maps.features import FEATURES
 from antgym.maps.occupancy import occupancy
 from antgym.maps.world import Scenario
 from antgym.planners.rules import PAPERS, Rules
-from antgym.tuning.features import EFFORT_FEATURES, RULES_SHOWN, TASK_FEATURES, task_features
+from antgym.tuning.features import EFFORT_FEATURES, RULES_SHOWN, TASK_FEATURES, shown_rules, task_features
 from antgym.tuning.observation import bounds, observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Task, TuningProblem
 from antgym.tuning.session import Session, Trial
@@ -99,6 +99,12 @@ def test_the_features_show_the_rules_by_one_of_their_places(valley):
 
 def test_rules_of_ones_own_are_none_of_the_published(valley):
     assert not task_features(valley, 10, 100, Rules(q0=0.5))[len(FEATURES) + len(EFFORT_FEATURES) :].any()
+
+
+def test_the_rules_can_be_read_off_the_features(valley):
+    seen = [TuningProblem(valley, name, ants=10, iterations=100).task(0).features for name in RULES_SHOWN]
+    assert [shown_rules(features) for features in seen] == list(RULES_SHOWN)
+    assert shown_rules(task_features(valley, 10, 100, Rules(q0=0.5))) is None
 
 
 def test_the_order_of_the_rules_is_what_policies_have_learnt():

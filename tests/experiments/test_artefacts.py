@@ -1,0 +1,23 @@
+"""What trained agents need is made once, for the agents that are there, and found again."""
+
+from agents.static import StaticByRules, StaticSettings
+from antgym.maps.suites import load_suite
+from experiments.artefacts import prepare, problem, trained_argument
+from experiments.presets import Preset
+
+TINY = Preset(2, 2, 5, 2, 0, 3, 1, 2, 4)
+
+
+def test_settings_by_rules_are_raced_once_and_recommended(tmp_path):
+    name = "best_static_by_rules"
+    spent = prepare(tmp_path, "open-v0", TINY, [name, "random_search"])
+    settings = StaticSettings.load(tmp_path / "static_by_rules.json")
+    items = load_suite("open-v0", "train")[:2]
+    assert set(settings.by_rules) == {item.rules for item in items}
+    assert spent == {"static_by_rules.json": 4 * 2}
+    begun = (tmp_path / "static_by_rules.json").stat().st_mtime_ns
+    assert prepare(tmp_path, "open-v0", TINY, [name]) == spent
+    assert (tmp_path / "static_by_rules.json").stat().st_mtime_ns == begun
+    agent = StaticByRules(**trained_argument(name, tmp_path))
+    agent.reset(problem(items[0]).task(0), seed=0)
+    assert tuple(agent.recommend()) == settings.by_rules[items[0].rules].unit
