@@ -17,6 +17,7 @@ class Bowl:
         noise: relative standard deviation of a trial's cost.
         fails: whether every trial fails.
         granted: trials at most in one batch, to send back fewer than asked.
+        features: the first features of its task; all others are 0.
     """
 
     def __init__(
@@ -28,9 +29,12 @@ class Bowl:
         fails=False,
         granted=None,
         straight_line=100.0,
+        features=(),
     ):
         space = PAPERS["liu2020"].ranges.space(straight_line)
-        self.task = Task(space, np.zeros(len(TASK_FEATURES), np.float32), 20, 50, budget)
+        shown = np.zeros(len(TASK_FEATURES), np.float32)
+        shown[: len(features)] = features
+        self.task = Task(space, shown, 20, 50, budget)
         self.problem = self  # tune() asks a session's problem for the space
         self.space = space
         self.optimum, self.noise, self.fails = np.array(optimum), noise, fails
@@ -75,3 +79,16 @@ def graph():
     optima = [(0.3, 0.7, 0.6, 0.4), (0.4, 0.6, 0.5, 0.5), (0.8, 0.2, 0.3, 0.6)]
     sessions = [Bowl(200, optimum=optimum, noise=0.05) for optimum in optima]
     return TransferGraph.fit(sessions, search=16, repeats=4, seed=3)
+
+
+@pytest.fixture(scope="session")
+def experience():
+    """Ten maps in two groups that a feature tells apart, each with an optimum of its own."""
+    pytest.importorskip("agents")
+    from agents.experience import Experience
+
+    optima = {0.0: (0.3, 0.7, 0.6, 0.4), 1.0: (0.8, 0.2, 0.3, 0.6)}
+    sessions = [Bowl(64, optimum=optima[i % 2], noise=0.02, features=(i % 2, i / 50)) for i in range(10)]
+    units = np.random.default_rng(0).random((32, 4))
+    described = [feature.name for feature in TASK_FEATURES]
+    return Experience.gather(sessions, units, described=described)

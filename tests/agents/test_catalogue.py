@@ -10,18 +10,26 @@ from agents.static import StaticSetting
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.tuning import tune
 
-REQUIRES = {"ga": "pymoo", "pso": "pymoo", "optuna_tpe": "optuna"}
+REQUIRES = {
+    "ga": "pymoo",
+    "pso": "pymoo",
+    "optuna_tpe": "optuna",
+    "cma_es_warm": "cmaes",
+    "regression": "sklearn",
+}
+LEARNT = ("portfolio", "neighbours", "regression", "cma_es_warm")
 NAMES = tuple(name for name in agents.CATALOGUE if name != "rl")
 
 
 @pytest.fixture(params=NAMES)
-def build(request, graph):
+def build(request, graph, experience):
     """A function that makes a fresh agent of one catalogue entry."""
     if request.param in REQUIRES:
         pytest.importorskip(REQUIRES[request.param])
     card = agents.CATALOGUE[request.param]
     static = StaticSetting((0.2, 0.4, 0.6, 0.8), 1, graph.parameters)
     trained = {"setting": static} if card.name == "best_static" else {"graph": graph}
+    trained = {"experience": experience} if card.name in LEARNT else trained
     return lambda: agents.make(card.name, **(trained if card.trained else {}))
 
 
@@ -128,7 +136,19 @@ def test_an_unknown_setting_names_the_nearest(name):
         agents.make(name, popullation=10)
 
 
-@pytest.mark.parametrize(("name", "argument"), [("transfer_graph", "graph"), ("rl", "path")])
+@pytest.mark.parametrize("name", LEARNT)
+def test_experience_beats_the_default_without_a_trial(name, experience, bowl):
+    if name in REQUIRES:
+        pytest.importorskip(REQUIRES[name])
+    session = bowl(0, optimum=(0.8, 0.2, 0.3, 0.6), features=(1, 0.1))
+    agent = agents.make(name, experience=experience)
+    agent.reset(session.task, seed=0)
+    assert session.cost(agent.recommend())[0] < session.cost(np.full(4, 0.5))[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "argument"), [("transfer_graph", "graph"), ("rl", "path"), ("portfolio", "experience")]
+)
 def test_a_trained_agent_without_its_artefact_says_what_it_needs(name, argument):
     with pytest.raises(ParameterError, match=f"needs {argument}="):
         agents.make(name)
@@ -139,10 +159,14 @@ def test_versions_name_every_library_behind_an_agent():
     assert set(agents.versions("optuna_tpe")) == {"numpy", "optuna"}
 
 
-@pytest.mark.parametrize(("name", "library"), [("ga", "pymoo"), ("optuna_tpe", "optuna")])
-def test_a_missing_library_says_how_to_mend_it(name, library, bowl, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "library"),
+    [("ga", "pymoo"), ("optuna_tpe", "optuna"), ("cma_es_warm", "cmaes"), ("regression", "sklearn")],
+)
+def test_a_missing_library_says_how_to_mend_it(name, library, bowl, experience, monkeypatch):
     for module in [m for m in __import__("sys").modules if m == library or m.startswith(f"{library}.")]:
         monkeypatch.delitem(__import__("sys").modules, module)
     monkeypatch.setitem(__import__("sys").modules, library, None)
+    learnt = {"experience": experience} if name in LEARNT else {}
     with pytest.raises(MissingExtraError, match=r"antgym\[agents\]"):
-        agents.make(name).reset(bowl(10).task, seed=0)
+        agents.make(name, **learnt).reset(bowl(10).task, seed=0)

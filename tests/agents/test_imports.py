@@ -9,7 +9,7 @@ import agents
 import antgym.tuning
 
 FILES = sorted(Path(agents.__file__).parent.glob("*.py"))
-LIBRARIES = {"numpy", "pymoo", "optuna", "stable_baselines3", "torch"}
+LIBRARIES = {"numpy", "cmaes", "matplotlib", "optuna", "pymoo", "sklearn", "stable_baselines3", "torch"}
 
 
 def _imports(path):

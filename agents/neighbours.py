@@ -1,0 +1,78 @@
+"""Nearest neighbours among train maps: what did well on maps like this one, blended."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.experience import Experience, Spread, as_experience
+from agents.halving import Advice, Halving
+from antgym.errors import ParameterError
+from antgym.tuning import ParameterSpace, Task
+
+Floats = NDArray[np.float64]
+NEIGHBOURS, TAU = 20, 0.1
+"""Chosen on 60 train maps of mountain-v0, each left out in turn: without a trial, the blend's gap was 16.9 % (16.8 %
+with tau = 0.05), that of the setting that did best on the neighbours 18.5 %, of that best on all maps 22.8 %."""
+
+
+def blended_advice(
+    space: ParameterSpace, settings: Floats, expected: Floats, tau: float, spread: Spread
+) -> Advice:
+    """Return the settings by expected log cost, and before them their blend.
+
+    The blend is the mean of all settings on each parameter's own scale, weighted by exp(-(μ - min μ) / tau). A
+    single setting's table entry is lucky or not; the blend lies where many good ones lie.
+
+    Args:
+        space: the target's.
+        settings: (k, d) in [0, 1].
+        expected: (k,) expected log costs μ.
+        tau: log cost by which a setting's weight falls to 1/e, > 0.
+        spread: of the experience.
+    """
+    weights = np.exp(-(expected - expected.min()) / tau)
+    blend = space.mean(settings, weights / weights.sum())
+    order = np.argsort(expected, kind="stable")
+    return Advice(
+        np.vstack([blend, settings[order]]), np.concatenate([[expected.min()], expected[order]]), spread
+    )
+
+
+class NeighbourAgent(Halving):
+    """Blend the settings that did well on the train maps nearest by features, then try blend and settings.
+
+    Features are standardised over the train maps; those that show the rules are among them, so under mixed
+    rules the neighbours have the task's own as long as there are any. The j-th of k neighbours weighs
+    exp(-d_j / d_k), with d the squared distance.
+
+    Args:
+        experience: costs on train maps, or their file.
+        neighbours: how many maps speak, ≥ 1; all where there are fewer.
+        tau: log cost by which a setting's weight in the blend falls to 1/e, > 0.
+    """
+
+    def __init__(
+        self, experience: Experience | str | Path, neighbours: int = NEIGHBOURS, tau: float = TAU
+    ) -> None:
+        if neighbours < 1 or not tau > 0:
+            raise ParameterError(f"neighbours = {neighbours} must be ≥ 1 and tau = {tau} positive")
+        self.experience = as_experience(experience)
+        self.neighbours, self.tau = neighbours, tau
+
+    def _advise(self, task: Task) -> Advice:
+        self.experience.check(task)
+        nearest, weights = nearest_maps(self.experience, task, self.neighbours)
+        expected = weights @ self.experience.regrets[nearest]
+        return blended_advice(
+            task.space, self.experience.settings, expected, self.tau, self.experience.spread
+        )
+
+
+def nearest_maps(experience: Experience, task: Task, count: int) -> tuple[NDArray[np.intp], Floats]:
+    """Return the ``count`` maps nearest to a task, nearest first, and their weights, which add up to 1."""
+    distances = experience.distances(task)
+    nearest = np.argsort(distances, kind="stable")[:count]
+    farthest = max(float(distances[nearest[-1]]), np.finfo(float).tiny)
+    weights = np.exp(-distances[nearest] / farthest)
+    return nearest, weights / weights.sum()
