@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.experience import Experience, Spread, as_experience
+from agents.experience import Experience, as_experience
 from agents.halving import Advice, Halving
+from agents.ordering import greedy_portfolio
 from antgym.errors import ParameterError
 from antgym.tuning import ParameterSpace, Task
 
@@ -17,26 +18,27 @@ with tau = 0.05), that of the setting that did best on the neighbours 18.5 %, of
 
 
 def blended_advice(
-    space: ParameterSpace, settings: Floats, expected: Floats, tau: float, spread: Spread
+    space: ParameterSpace, experience: Experience, regrets: Floats, weights: Floats, tau: float
 ) -> Advice:
-    """Return the settings by expected log cost, and before them their blend.
+    """Return the settings of an experience in the order to try them on a target, and before them their blend.
 
-    The blend is the mean of all settings on each parameter's own scale, weighted by exp(-(μ - min μ) / tau). A
-    single setting's table entry is lucky or not; the blend lies where many good ones lie.
+    The blend is the mean of all settings on each parameter's own scale, weighted by exp(-(μ - min μ) / tau) with μ the
+    expected log regret. A single setting's table entry is lucky or not; the blend lies where many good ones lie. After
+    it the settings come as a greedy portfolio, so that each is tried for the case that those before it fail.
 
     Args:
         space: the target's.
-        settings: (k, d) in [0, 1].
-        expected: (k,) expected log costs μ.
+        experience: whose settings they are.
+        regrets: (s, k) log regret of every setting in s cases of what the target may be like.
+        weights: (s,) probabilities of the cases.
         tau: log cost by which a setting's weight falls to 1/e, > 0.
-        spread: of the experience.
     """
-    weights = np.exp(-(expected - expected.min()) / tau)
-    blend = space.mean(settings, weights / weights.sum())
-    order = np.argsort(expected, kind="stable")
-    return Advice(
-        np.vstack([blend, settings[order]]), np.concatenate([[expected.min()], expected[order]]), spread
-    )
+    expected = weights @ regrets
+    shares = np.exp(-(expected - expected.min()) / tau)
+    blend = space.mean(experience.settings, shares / shares.sum())
+    order = greedy_portfolio(regrets, weights=weights)
+    candidates = np.vstack([blend, experience.settings[order]])
+    return Advice(candidates, np.concatenate([[expected.min()], expected[order]]), experience.spread)
 
 
 class NeighbourAgent(Halving):
@@ -63,9 +65,8 @@ class NeighbourAgent(Halving):
     def _advise(self, task: Task) -> Advice:
         self.experience.check(task)
         nearest, weights = nearest_maps(self.experience, task, self.neighbours)
-        expected = weights @ self.experience.regrets[nearest]
         return blended_advice(
-            task.space, self.experience.settings, expected, self.tau, self.experience.spread
+            task.space, self.experience, self.experience.regrets[nearest], weights, self.tau
         )
 
 

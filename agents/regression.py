@@ -20,7 +20,8 @@ class ForestAgent(Halving):
 
     The forest is fitted to the experience when the agent is made, always alike (100 trees, a third of the inputs per
     split, two samples a leaf), so that the artefact holds data and no code. For a task it predicts every setting of
-    the experience; their blend and they themselves are then tried, as the neighbours are.
+    the experience, each tree as a case of what the map may be like; blend and settings are then tried, as the
+    neighbours' are.
 
     Args:
         experience: costs on train maps, or their file.
@@ -42,8 +43,9 @@ class ForestAgent(Halving):
         settings = self.experience.settings
         described = self.experience.standardise(task.features.astype(np.float64))
         rows = np.hstack([np.tile(described, (len(settings), 1)), settings])
-        expected = self._forest.predict(rows)
-        return blended_advice(task.space, settings, expected, self.tau, self.experience.spread)
+        trees = np.array([tree.predict(rows) for tree in self._forest.estimators_])
+        alike = np.full(len(trees), 1 / len(trees))
+        return blended_advice(task.space, self.experience, trees, alike, self.tau)
 
 
 def _new_forest(trees: int) -> Any:

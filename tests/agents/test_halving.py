@@ -136,18 +136,21 @@ def test_two_neighbours_blend_on_the_parameters_own_scales(bowl, experience):
     nearest, weights = nearest_maps(found, session.task, 2)
     assert sorted(nearest.tolist()) == [0, 1]
     assert weights == pytest.approx([0.5, 0.5])
-    advice = blended_advice(
-        session.space, found.settings[:2], weights @ found.regrets[nearest][:, :2], 1e-3, SPREAD
-    )
+    advice = blended_advice(session.space, found, found.regrets[nearest], weights, 1e-3)
     assert advice.candidates[0] == pytest.approx(session.space.mean(found.settings[:2], [0.5, 0.5]))
 
 
-def test_the_blend_comes_first_and_the_settings_by_what_is_expected():
-    space = pytest.importorskip("antgym.planners.rules").PAPERS["liu2020"].ranges.space(1.0)
-    settings = np.repeat([[0.2], [0.4], [0.6]], 4, axis=1)
-    advice = blended_advice(space, settings, np.array([0.3, 0.1, 0.2]), 0.1, SPREAD)
-    assert advice.expected.tolist() == [0.1, 0.1, 0.2, 0.3]
-    assert advice.candidates[1:, 0].tolist() == [0.4, 0.6, 0.2]
+def test_after_the_blend_settings_are_tried_for_the_case_that_those_before_fail(bowl, experience):
+    """Two cases by hand: setting 1 is best on average, setting 0 helps where it is worst, 3 no more than 2."""
+    regrets = np.array([[0.0, 0.2, 0.3, 0.4], [0.6, 0.1, 0.3, 0.4]])
+    advice = blended_advice(bowl(0).space, crafted(experience), regrets, np.array([0.5, 0.5]), 0.1)
+    assert advice.expected == pytest.approx([0.15, 0.15, 0.3, 0.3, 0.4])
+    assert advice.candidates[1:, 0].tolist() == [0.3, 0.1, 0.6, 0.9]
+
+
+def test_a_likely_case_comes_before_an_unlikely_one():
+    regrets = np.array([[0.0, 1.0], [1.0, 0.0]])
+    assert greedy_portfolio(regrets, weights=np.array([0.3, 0.7])) == [1, 0]
 
 
 def test_features_far_outside_the_train_maps_are_cut_off(bowl, experience):
