@@ -195,6 +195,38 @@ _CARDS = (
         "mean_of_sources", _TRANSFER, {"mode": "mean"}, "the mean of the source sets, no trial", trained=True
     ),
     Card(
+        "portfolio",
+        "agents.portfolio:PortfolioAgent",
+        {},
+        "settings that together serve the train maps, tried by successive halving",
+        trained=True,
+    ),
+    Card(
+        "neighbours",
+        "agents.neighbours:NeighbourAgent",
+        {},
+        "what did well on the train maps most alike, blended, then tried",
+        trained=True,
+    ),
+    Card(
+        "regression",
+        "agents.regression:ForestAgent",
+        {},
+        "random forest of cost (scikit-learn), its best settings blended, then tried",
+        "agents",
+        trained=True,
+        libraries=("scikit-learn",),
+    ),
+    Card(
+        "cma_es_warm",
+        "agents.warm_start:WarmCmaEs",
+        {},
+        "CMA-ES (cmaes) started where settings did well on the train maps most alike",
+        "agents",
+        trained=True,
+        libraries=("cmaes",),
+    ),
+    Card(
         "rl",
         "agents.policy:PolicyAgent",
         {},
@@ -241,7 +273,8 @@ def to_markdown() -> str:
     for card in CATALOGUE.values():
         settings = ", ".join(f"{name}={value!r}" for name, value in card.kwargs.items())
         name = f"`{card.name}`" + ("\\*" if card.trained else "")
-        cells = (name, card.summary, f"`{settings}`" if settings else "", card.needs or "")
+        summary = card.summary.replace("|", "\\|")
+        cells = (name, summary, f"`{settings}`" if settings else "", card.needs or "")
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 

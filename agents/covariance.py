@@ -40,7 +40,7 @@ class CovarianceAdaptation(Search):
             raise ParameterError(f"population = {population}: needs at least 2")
         if not sigma > 0:
             raise ParameterError(f"sigma = {sigma}: must be positive")
-        self._cma = _cma()
+        self._cma = load_cmaes().CMA
         super().__init__(rerun_share)
         self.population, self.sigma, self.lr_adapt = population, sigma, lr_adapt
 
@@ -69,9 +69,10 @@ class CovarianceAdaptation(Search):
             self._optimizer = self._begin(mean, GROWTH * optimizer.population_size, seed)
 
 
-def _cma() -> Any:
+def load_cmaes() -> Any:
+    """Import the library; MissingExtraError where it is not installed."""
     try:
-        from cmaes import CMA
+        import cmaes
     except ModuleNotFoundError as error:
         raise MissingExtraError("cmaes", "agents") from error
-    return CMA
+    return cmaes

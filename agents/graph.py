@@ -1,26 +1,66 @@
 """A fitted transfer graph: what source tasks taught, as data that a target's agent starts from."""
 
-import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
-from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from agents import artefact
+from agents.artefact import as_array, as_tuples
 from agents.controls import RandomSearch
+from agents.fitting import (
+    DEFAULT_GAMMA,
+    DEFAULT_TAU,
+    RIVALS,
+    check_fit,
+    choose_scales,
+    run_left_out,
+    run_repeatedly,
+    search_set,
+    spent,
+)
 from agents.judgement import cap_failures
-from agents.laplacian import regrets, sound_weights
-from antgym.errors import BudgetError, ParameterError
-from antgym.tuning import Agent, ParameterSpace, Session
+from agents.laplacian import laplacian, map_affinities, regrets
+from agents.ordering import greedy_portfolio
+from antgym.errors import ParameterError
+from antgym.tuning import Agent, Session
 
 Floats = NDArray[np.float64]
-DEFAULT_TAU, DEFAULT_GAMMA = 0.02, 0.1
-TAUS, GAMMAS = (DEFAULT_TAU, 0.01, 0.05, 0.1, 0.3), (DEFAULT_GAMMA, 0.5)
-FORMAT = "antgym transfer graph 1"
+FORMAT = "antgym transfer graph 2"
+
+
+class LeftOut(NamedTuple):
+    """What a source would have got from the others: fresh mean costs on its map, failures capped.
+
+    Transfer is negative where doing without it is cheaper: Eaton et al. (2008) measure transferability as the change in
+    performance between learning with and without transfer. Without any, there is the published default; the plainest
+    transfer is to copy the best set. What lies within two standard errors of the difference counts as equal.
+
+    Attributes:
+        name: the source.
+        transferred: mean cost of what the graph transfers; ``copied``: of the best of the other sets; ``default``: of
+            the published default.
+        doubt: two standard errors of transferred - copied, and of transferred - default.
+    """
+
+    name: str
+    transferred: float
+    copied: float
+    default: float
+    doubt: tuple[float, float]
+
+    @property
+    def worse_than_copy(self) -> bool:
+        """Whether blending clearly cost more than copying the best of the other sets."""
+        return self.transferred - self.copied > self.doubt[0]
+
+    @property
+    def worse_than_default(self) -> bool:
+        """Whether transfer clearly cost more than no transfer."""
+        return self.transferred - self.default > self.doubt[1]
 
 
 @dataclass(frozen=True)
@@ -39,6 +79,8 @@ class TransferGraph:
         tau: scale of regrets that predicted left-out sources best.
         gamma: weight of smoothness that did.
         evaluations: trials that fitting spent, all sources together.
+        left_out: ``left_out[j]`` holds fresh costs on map j of what the other sources transfer, of the best of their
+            sets, and of the published default, one list a rival; empty where none was run.
         provenance: what it was fitted from, plain JSON values.
 
     Raises:
@@ -52,11 +94,12 @@ class TransferGraph:
     tau: float = DEFAULT_TAU
     gamma: float = DEFAULT_GAMMA
     evaluations: int = 0
+    left_out: tuple[tuple[tuple[float, ...], ...], ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         n, d = len(self.names), len(self.parameters)
-        units, costs = _array(self.units, "units"), _array(self.costs, "costs")
+        units, costs = as_array(self.units, "units"), as_array(self.costs, "costs")
         if (
             n < 1
             or units.shape != (n, d)
@@ -74,6 +117,14 @@ class TransferGraph:
             raise ParameterError("a transfer graph's costs must be positive numbers")
         if not (self.tau > 0 and self.gamma > 0):
             raise ParameterError(f"tau = {self.tau}, gamma = {self.gamma}: both must be positive")
+        tested = as_array(self.left_out, "left_out")
+        if len(tested) and not (
+            tested.ndim == 3
+            and tested.shape[:2] == (n, RIVALS)
+            and tested.shape[2]
+            and (np.isfinite(tested) & (tested > 0)).all()
+        ):
+            raise ParameterError(f"left_out must be ({n}, {RIVALS}, runs) positive costs; got {tested.shape}")
 
     @property
     def settings(self) -> Floats:
@@ -95,6 +146,35 @@ class TransferGraph:
         """Indices of the sets by mean regret over the maps, best first."""
         return np.argsort(regrets(self.judged).mean(axis=1), kind="stable").tolist()
 
+    @property
+    def order(self) -> list[int]:
+        """Indices of the sets as a greedy portfolio of the maps: a set comes early where the earlier ones do badly."""
+        return greedy_portfolio(regrets(self.judged).T)
+
+    @property
+    def affinities(self) -> Floats:
+        """The edges between maps in the sound version, (n, n) in (0, 1], 0 on the diagonal."""
+        return map_affinities(self.judged, self.tau)
+
+    @property
+    def spectrum(self) -> Floats:
+        """Eigenvalues of the Laplacian of these edges, (n,), ascending; as many are 0 as the graph has parts."""
+        return np.asarray(np.linalg.eigvalsh(laplacian(self.affinities)), dtype=np.float64)
+
+    @property
+    def negative_transfer(self) -> tuple[LeftOut, ...]:
+        """What each source would have got from the others, by its own fresh runs; empty where none was run."""
+        if not self.left_out:
+            return ()
+        runs = cap_failures(np.array(self.left_out), axis=(1, 2))
+        means, variances = runs.mean(axis=2), runs.var(axis=2, ddof=min(1, runs.shape[2] - 1)) / runs.shape[2]
+        doubt = 2 * np.sqrt(variances[:, :1] + variances[:, 1:])
+        rows = zip(self.names, means.tolist(), doubt.tolist(), strict=True)
+        return tuple(
+            LeftOut(name, transferred, copied, default, (doubts[0], doubts[1]))
+            for name, (transferred, copied, default), doubts in rows
+        )
+
     @classmethod
     def fit(
         cls,
@@ -111,7 +191,8 @@ class TransferGraph:
         """Learn a graph from one session per source task; every run is paid through them.
 
         First each source's own set is searched, then every set is run on every map, then (tau, gamma) is
-        chosen: each source in turn plays the target, and what the others predict for it is run on its map.
+        chosen: each source in turn plays the target, and what the others predict for it is run on its map. Last, what
+        they predict with the chosen scales is run again, beside a copy and the default, for ``negative_transfer``.
 
         Args:
             sessions: one per source, each with :func:`trials_needed` trials left.
@@ -119,140 +200,48 @@ class TransferGraph:
             searcher: agent that searches a source's own set; random search where None.
             search: trials of that search, ≥ 1.
             repeats: runs of each set on each map, ≥ 1.
-            check: runs of each prediction; 0, or fewer than three sources, keeps the default tau and gamma.
+            check: runs of each prediction; 0, or fewer than three sources, keeps the default tau and gamma and leaves
+                ``left_out`` empty.
             seed: root of the searches' seeds.
             provenance: what to note in the graph beside the arguments.
 
         Raises:
             BudgetError: where a session has fewer trials left than fitting needs; nothing is spent.
         """
-        n, before = len(sessions), _spent(sessions)
-        _check_fit(sessions, names, search, repeats, check)
+        n, before = len(sessions), spent(sessions)
+        check_fit(sessions, names, search, repeats, check)
         searcher = searcher or RandomSearch()
-        units = np.array([_search(searcher, s, search, seed, i) for i, s in enumerate(sessions)])
-        costs = np.stack([_run(s, units, repeats) for s in sessions], axis=1)
+        units = np.array([search_set(searcher, s, search, seed, i) for i, s in enumerate(sessions)])
+        costs = np.stack([run_repeatedly(s, units, repeats) for s in sessions], axis=1)
         noted = {"search": search, "repeats": repeats, "check": check, "seed": seed, **(provenance or {})}
         graph = cls(
             names=tuple(names) if names is not None else tuple(f"source-{i + 1}" for i in range(n)),
             parameters=sessions[0].task.space.names,
-            units=_tuples(units),
-            costs=_tuples(costs),
-            evaluations=_spent(sessions) - before,
+            units=as_tuples(units),
+            costs=as_tuples(costs),
             provenance=noted,
         )
-        if check < 1 or n < 3:
-            return graph
-        tau, gamma = _choose_scales(graph, sessions, check)
-        return replace(graph, tau=tau, gamma=gamma, evaluations=_spent(sessions) - before)
+        if check >= 1 and n >= 3:
+            tau, gamma = choose_scales(graph, sessions, check)
+            graph = replace(graph, tau=tau, gamma=gamma)
+            graph = replace(graph, left_out=as_tuples(run_left_out(graph, sessions, repeats)))
+        return replace(graph, evaluations=spent(sessions) - before)
 
     def save(self, path: str | Path) -> None:
         """Write the graph as JSON; a file of that name is replaced at once or not at all."""
-        path = Path(path)
-        draft = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-        draft.write_text(json.dumps({"format": FORMAT, **asdict(self)}, indent=1), encoding="utf-8")
-        draft.replace(path)
+        artefact.save(path, FORMAT, asdict(self))
 
     @classmethod
     def load(cls, path: str | Path) -> "TransferGraph":
         """Read a graph; ParameterError names the file and what is wrong with it."""
-        path = Path(path)
+        content = artefact.load(path, FORMAT, {f.name for f in fields(cls)})
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            raise ParameterError(f"{path}: no such transfer graph") from None
-        except (UnicodeDecodeError, json.JSONDecodeError) as error:
-            raise ParameterError(f"{path}: no JSON ({error})") from None
-        known = {f.name for f in fields(cls)}
-        if not isinstance(content, dict) or content.pop("format", None) != FORMAT or set(content) != known:
-            raise ParameterError(f"{path}: not an {FORMAT!r} with the fields {', '.join(sorted(known))}")
-        try:
-            return cls(**{name: _tuples(value) for name, value in content.items()})
+            return cls(**content)
         except (ParameterError, TypeError) as error:
             raise ParameterError(f"{path}: {error}") from None
 
+    def plot(self, path: str | Path) -> Path:
+        """Draw the graph as a PNG, see :func:`agents.graph_picture.draw`; MissingExtraError without matplotlib."""
+        from agents.graph_picture import draw
 
-def trials_needed(sources: int, search: int = 32, repeats: int = 5, check: int = 2) -> int:
-    """Return the trials that :meth:`TransferGraph.fit` spends in each source's session, at most."""
-    checked = check * len(TAUS) * len(GAMMAS) if sources >= 3 else 0
-    return search + repeats * sources + checked
-
-
-def _check_fit(
-    sessions: Sequence[Session], names: Sequence[str] | None, search: int, repeats: int, check: int
-) -> None:
-    if not sessions:
-        raise ParameterError("a transfer graph needs at least one source session")
-    if names is not None and len(names) != len(sessions):
-        raise ParameterError(f"{len(names)} names for {len(sessions)} sessions")
-    if search < 1 or repeats < 1 or check < 0:
-        raise ParameterError(f"search = {search} and repeats = {repeats} must be ≥ 1, check = {check} ≥ 0")
-    needed = trials_needed(len(sessions), search, repeats, check)
-    for i, session in enumerate(sessions):
-        if session.task.space.names != sessions[0].task.space.names:
-            raise ParameterError(
-                f"session {i}: has other parameters than session 0: {session.task.space.names}"
-            )
-        if session.left < needed:
-            raise BudgetError(
-                f"session {i}: {session.left} trials left, fitting {len(sessions)} sources needs {needed}"
-            )
-
-
-def _spent(sessions: Sequence[Session]) -> int:
-    return sum(len(session.trials) for session in sessions)
-
-
-def _search(searcher: Agent, session: Session, trials: int, seed: int, index: int) -> Floats:
-    """Return a source's own set, (d,), for at most ``trials`` of its session."""
-    child = int(np.random.SeedSequence(seed, spawn_key=(index,)).generate_state(1, np.uint64)[0])
-    searcher.reset(replace(session.task, budget=trials), seed=child)
-    while trials and len(units := searcher.ask()[:trials]):
-        searcher.tell(session.evaluate(units))
-        trials -= len(units)
-    return searcher.recommend()
-
-
-def _run(session: Session, units: Floats, repeats: int) -> Floats:
-    """Return the costs of k settings, (k, repeats), in one batch."""
-    trials = session.evaluate(np.tile(units, (repeats, 1)))
-    return np.array([trial.cost for trial in trials]).reshape(repeats, len(units)).T
-
-
-def _choose_scales(graph: TransferGraph, sessions: Sequence[Session], repeats: int) -> tuple[float, float]:
-    """Return the (tau, gamma) whose predictions for left-out sources cost least.
-
-    The default stays unless another beats it by more than a standard error over the sources: with a few sources and
-    a few runs the best of many is mostly a lucky one.
-    """
-    grid = list(product(TAUS, GAMMAS))
-    losses = np.empty((len(sessions), len(grid)))
-    for left_out, session in enumerate(sessions):
-        space = session.task.space
-        predictions = np.array([_predict_left_out(graph, space, left_out, *scales) for scales in grid])
-        losses[left_out] = regrets(cap_failures(_run(session, predictions, repeats)).mean(axis=1))
-    gains = losses[:, :1] - losses
-    clear = gains.mean(axis=0) > gains.std(axis=0, ddof=1) / len(sessions) ** 0.5
-    return grid[int(np.argmax(np.where(clear, gains.mean(axis=0), 0.0)))]
-
-
-def _predict_left_out(
-    graph: TransferGraph, space: ParameterSpace, left_out: int, tau: float, gamma: float
-) -> Floats:
-    others = np.delete(np.arange(len(graph.names)), left_out)
-    costs = graph.judged[others]
-    weights = sound_weights(costs[:, others], costs[:, left_out], tau, gamma)
-    return space.mean(graph.settings[others], weights)
-
-
-def _array(values: Any, label: str) -> Floats:
-    try:
-        return np.array(values, dtype=np.float64)
-    except (ValueError, TypeError):
-        raise ParameterError(f"{label} of a transfer graph must be numbers in a regular table") from None
-
-
-def _tuples(values: Any) -> Any:
-    """Return nested lists or an array as nested tuples; anything else as it is."""
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    return tuple(_tuples(v) for v in values) if isinstance(values, list) else values
+        return draw(self, Path(path))

@@ -1,10 +1,8 @@
 """The mathematics of the parameter-transfer graph: liu2020's eqs 9-14 as printed, and the sound version.
 
-Notation: n source tasks, each with a parameter set of d values; ``costs[i, j]`` is the mean cost of set i on
-    map j. The
-printed version compares costs with a reference and lets edges be negative, so its graph Laplacian may be
-indefinite; the sound one turns regrets into positive affinities, so its answer is a weighted mean of the
-sources.
+Notation: n source tasks, each with a parameter set of d values; ``costs[i, j]`` is the mean cost of set i on map j.
+The printed version compares costs with a reference and lets edges be negative, so its graph Laplacian may be
+indefinite; the sound one turns regrets into positive affinities, so its answer is a weighted mean of the sources.
 """
 
 from typing import Literal
@@ -53,7 +51,7 @@ def eq14(affinity: Floats, transfer: Floats, parameters: Floats, mode: Spectrum 
     if mode not in ("paper", "abs"):
         raise ParameterError(f"unknown mode {mode!r}; valid: paper, abs")
     n = len(transfer)
-    values, vectors = np.linalg.eigh(_laplacian(_bordered(affinity, transfer)))
+    values, vectors = np.linalg.eigh(laplacian(_bordered(affinity, transfer)))
     if mode == "abs":
         values = np.abs(values)
     sources = vectors[:n]  # liu2020's Q, not the pheromone constant
@@ -67,7 +65,7 @@ def paper_weights(affinity: Floats, transfer: Floats, mode: Spectrum = "paper") 
 
 
 def relabel(costs: Floats) -> NDArray[np.intp]:
-    """Return for each map the index of the set that does best on it, (n,); often not the map's own."""
+    """Return for each of n maps the index of the set that does best on it, (n,); often not the map's own."""
     return costs.argmin(axis=0)
 
 
@@ -76,30 +74,41 @@ def regrets(costs: Floats) -> Floats:
     return costs / costs.min(axis=0) - 1
 
 
-def sound_weights(costs: Floats, target: Floats, tau: float, gamma: float) -> Floats:
-    """Return the weights of n sets for a target, (n,): non-negative, adding up to 1.
+def map_affinities(costs: Floats, tau: float) -> Floats:
+    """Return the (n, n) edge weights between maps in the sound version, in (0, 1], 0 on the diagonal.
 
-    Every map is labelled with the set that does best on it; maps are joined by exp(-mean regret / tau), a map
-    and the target by exp(-regret of the map's label on the target / tau); the target's value is that of the
-    smoothest function on the graph. tau → 0 copies the best source, tau → ∞ takes the mean.
+    Every map is labelled with the set that does best on it; two maps are joined by exp(-mean regret / tau), the mean
+    over each one's label on the other.
 
     Args:
-        costs: (n, n) mean cost of set i on map j.
-        target: (n,) mean cost of each set on the target; NaN where it was not measured: maps it labels drop
-            out.
+        costs: (k, n) mean cost of set i on map j.
+        tau: scale of the regrets, > 0.
+    """
+    regret = regrets(costs)[relabel(costs)]
+    edges = np.exp(-(regret + regret.T) / (2 * tau))
+    np.fill_diagonal(edges, 0.0)
+    return edges
+
+
+def sound_weights(costs: Floats, target: Floats, tau: float, gamma: float) -> Floats:
+    """Return the weights of k sets for a target, (k,): non-negative, adding up to 1.
+
+    Maps are joined as in :func:`map_affinities`, a map and the target by exp(-regret of the map's label on the target
+    / tau); the target's value is that of the smoothest function on the graph, (S + gamma L) z = S u. tau → 0 copies
+    the best source, tau → ∞ takes the mean of the maps' labels. Of a graph of which only some sets were run on the
+    target, hand over their rows alone: every map is then labelled with the best of them.
+
+    Args:
+        costs: (k, n) mean cost of set i on map j.
+        target: (k,) mean cost of each set on the target.
         tau: scale of the regrets, > 0.
         gamma: weight of smoothness against the sources' own labels, > 0.
     """
-    labels = relabel(costs)
-    maps = np.flatnonzero(~np.isnan(target[labels]))
-    labels = labels[maps]
-    regret = regrets(costs)[labels][:, maps]
-    between = np.exp(-(regret + regret.T) / (2 * tau))
-    np.fill_diagonal(between, 0.0)
+    labels, maps = relabel(costs), costs.shape[1]
     towards = np.exp(-regrets(target[labels]) / tau)
-    system = gamma * _laplacian(_bordered(between, towards))
-    system[np.arange(len(maps)), np.arange(len(maps))] += 1.0
-    row = np.linalg.solve(system, np.eye(len(maps) + 1)[:, :-1])[-1]
+    system = gamma * laplacian(_bordered(map_affinities(costs, tau), towards))
+    system[np.arange(maps), np.arange(maps)] += 1.0
+    row = np.linalg.solve(system, np.eye(maps + 1)[:, :-1])[-1]
     weights = np.zeros(len(target))
     np.add.at(weights, labels, row)  # a set may label several maps
     return weights
@@ -114,7 +123,8 @@ def _bordered(affinity: Floats, transfer: Floats) -> Floats:
     return edges
 
 
-def _laplacian(edges: Floats) -> Floats:
-    laplacian = -edges
-    laplacian[np.diag_indices_from(edges)] += edges.sum(axis=1)
-    return laplacian
+def laplacian(edges: Floats) -> Floats:
+    """Return D - A of a graph's (n, n) edge weights, D the diagonal of their row sums."""
+    matrix = -edges
+    matrix[np.diag_indices_from(edges)] += edges.sum(axis=1)
+    return matrix

@@ -12,9 +12,10 @@ from typing import Literal, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.graph import TransferGraph, trials_needed
+from agents.fitting import trials_needed
+from agents.graph import TransferGraph
 from agents.judgement import cap_failures
-from agents.laplacian import affinities, eq14, paper_weights, relabel, sound_weights, transfers
+from agents.laplacian import affinities, eq14, paper_weights, sound_weights, transfers
 from antgym.errors import ParameterError, nearest
 from antgym.tuning import Task, Trial
 
@@ -30,18 +31,18 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 Mode = Literal["sound", "paper", "abs", "copy", "mean"]
-REFERENCE, BLEND, BEST, DEFAULT = "reference", "blend", "best", "default"
-SMALLEST_GUARD = 2  # with a single run each, the guard would pick a lucky candidate
-AMPLE = 6  # trials per source from which on sets that are best nowhere are run too
+REFERENCE, BLEND, DEFAULT = "reference", "blend", "default"
+PROBING = 0.4  # share of the budget that sound mode spends on the sources' sets
+FEWEST_PROBES = 3  # sets, where the budget has room for them and the blend
 
 
 class TransferAgent:
     """Transfer parameters from source tasks to a target.
 
-    * ``"sound"``: runs the sets that are best on some source map (with six trials a source or more: all sets),
-      weighs them (:func:`sound_weights`) and averages them on each parameter's own scale, α, β, κ on a log and
-      ρ on a logit scale; then runs the blend, the best source and the published default afresh, as often as
-      the rest of the budget allows, and keeps the winner.
+    * ``"sound"``: runs sets on two fifths of the budget; weighs them (:func:`sound_weights`) and averages them on each
+      parameter's own scale, α, β, κ on a log and ρ on a logit scale. The blend is never believed untested: the guard
+      runs it, the best source and the published default, then again and again the better two, and keeps the winner.
+      A budget below three has no room for that and copies.
     * ``"paper"``, ``"abs"``: runs every source's set and one random set, the reference of (11), and solves
       (14) in natural values. Q is transferred as κ: the target's space decodes all settings, so every Q is
       scaled to the target's straight line. What leaves the box is clipped and noted.
@@ -49,8 +50,9 @@ class TransferAgent:
       trial.
 
     Every set is run equally often, as often as the budget allows, ``repeats`` at most; what is then left is not spent
-    (in ``"sound"`` mode, it goes to the guard). With fewer trials than sets, those that do best on average over the
-    sources come first, and only sets that were run are weighed; with one trial or none, that average decides.
+    (in ``"sound"`` mode, it goes to the guard). With fewer trials than sets, those come first that together serve the
+    source maps (:attr:`TransferGraph.order`), in the printed modes, which weigh all alike, those that do best on
+    average; only sets that were run are weighed. With one trial or none, the set that does best on average decides.
 
     Args:
         graph: a fitted graph or its file.
@@ -93,15 +95,15 @@ class TransferAgent:
         self._left = task.budget
         self._stage = 0
         self._asked: list[int | str] = []
+        self._rivals: list[int | str] = []
 
     def ask(self) -> Floats:
         """Return the sources' sets, then the guard's candidates, then nothing; (k, d)."""
         self._stage += 1
-        self._asked = []
         if self._stage == 1:
             self._asked = self._probes()
-        elif self._stage == 2 and self.mode == "sound":
-            self._asked = self._candidates()
+        else:
+            self._asked = self._guard() if self.mode == "sound" else []
         return np.array([self._settings[key] for key in self._asked]).reshape(-1, len(self._task.space))
 
     def tell(self, trials: Sequence[Trial]) -> None:
@@ -123,34 +125,35 @@ class TransferAgent:
         """Return which settings to run on the target, in order: whole rounds, best sources first."""
         if self.mode == "mean":
             return []
-        wanted = self._sources()
-        if self.mode in ("paper", "abs") and self._left > 1:
-            wanted = [REFERENCE, *wanted]
+        if self.mode == "sound":
+            return self._sound_probes()
+        if self.mode == "copy":
+            wanted: list[int | str] = list(self.graph.order)
+        else:
+            wanted = [*([REFERENCE] if self._left > 1 else []), *self.graph.ranking]
         wanted = wanted[: self._left]
-        return wanted * max(1, min(self.repeats, self._rounds(len(wanted))))
+        return wanted * max(1, min(self.repeats, self._left // max(1, len(wanted))))
 
-    def _sources(self) -> list[int | str]:
-        ranking = self.graph.ranking
-        if self.mode == "sound" and self._left < AMPLE * len(ranking):
-            labels = set(relabel(self.graph.judged).tolist())
-            ranking = [i for i in ranking if i in labels]
-        return list(ranking)
+    def _sound_probes(self) -> list[int | str]:
+        room = self._left - 1 if self._left > 2 else self._left  # one for the blend
+        share = int(PROBING * self._left)
+        wanted: list[int | str] = list(self.graph.order[: min(room, max(FEWEST_PROBES, share))])
+        return wanted * max(1, min(self.repeats, share // max(1, len(wanted))))
 
-    def _rounds(self, sets: int) -> int:
-        """Return how often the budget lets ``sets`` be run; in sound mode half of it, where a guard fits."""
-        guard = 3 * SMALLEST_GUARD
-        if self.mode == "sound" and self._left >= sets + guard:
-            return min(self._left // 2, self._left - guard) // sets
-        return self._left // max(1, sets)
-
-    def _candidates(self) -> list[int | str]:
-        self._settings[BLEND] = self._blend()
-        self._settings[BEST] = self._settings[self._best_source()]
-        rivals: list[int | str] = [BLEND, BEST, DEFAULT]
-        if np.array_equal(self._settings[BLEND], self._settings[BEST]):
-            rivals.remove(BEST)
-        rounds = self._left // len(rivals)
-        return rivals * rounds if rounds >= SMALLEST_GUARD else []
+    def _guard(self) -> list[int | str]:
+        """Return the rivals to run next: blend, best source and default once, then the better two of them."""
+        if not self._left or self._task.budget <= 2:
+            return []
+        if not self._rivals:
+            self._settings[BLEND] = self._blend()
+            best = self._best_source()
+            self._rivals = [BLEND, best, DEFAULT]
+            if np.array_equal(self._settings[BLEND], self._settings[best]):
+                self._rivals.remove(BLEND)
+            return self._rivals[: self._left]
+        run = [key for key in self._rivals if self._costs.get(key)]
+        means = dict(zip(run, self._means(run).tolist(), strict=True))
+        return sorted(run, key=means.__getitem__)[: min(2, self._left)]
 
     def _judge(self) -> tuple[Floats, tuple[str, ...]]:
         if self.mode == "mean":
@@ -178,18 +181,14 @@ class TransferAgent:
         return np.array([cap_failures(np.array([best, *self._costs[key]]))[1:].mean() for key in keys])
 
     def _blend(self) -> Floats:
-        """Return the sound mean of the sources, (d,)."""
+        """Return the sound mean of the sources that were run, (d,)."""
         measured = self._measured()
-        target = np.full(len(self.graph.names), np.nan)
-        target[measured] = self._means(measured)
-        weights = sound_weights(self.graph.judged, target, self.tau, self.gamma)
-        return self._task.space.mean(self.graph.settings, weights)
+        weights = sound_weights(self.graph.judged[measured], self._means(measured), self.tau, self.gamma)
+        return self._task.space.mean(self.graph.settings[measured], weights)
 
     def _guarded(self) -> Floats:
-        """Return the winner of the guard's fresh runs; the blend where there were none."""
-        rivals = [key for key in (BLEND, BEST, DEFAULT) if self._costs.get(key)]
-        if not rivals:
-            return self._blend()
+        """Return the rival that ran best; the best source where the blend was not run."""
+        rivals = [key for key in self._rivals if self._costs.get(key)] or [self._best_source()]
         return self._settings[rivals[int(np.argmin(self._means(rivals)))]].copy()
 
     def _printed(self) -> tuple[Floats, tuple[str, ...]]:

@@ -16,12 +16,8 @@ from antgym import console
 
 
 @dataclass(frozen=True)
-class PlanFile:
-    """Plan a path over an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
-
-    Cells are as wide as the file's spacing, and as high. By default the path advances one cell along x per move.
-    Parameters left out take the published default of the rules.
-    """
+class MapFile:
+    """An elevation file, where to go on it, and the colony that is to find the way."""
 
     file: tyro.conf.Positional[Path]
     """Elevation file; heights and spacing in one unit."""
@@ -39,6 +35,16 @@ class PlanFile:
     """Height that stands in for missing ones; without it they are an error."""
     rules: str = "liu2020"
     """The colony's rules; an unknown name lists them all."""
+
+
+@dataclass(frozen=True)
+class PlanFile(MapFile):
+    """Plan a path over an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
+
+    Cells are as wide as the file's spacing, and as high. By default the path advances one cell along x per move.
+    Parameters left out take the published default of the rules.
+    """
+
     alpha: float | None = None
     """Weight of the pheromone."""
     beta: float | None = None

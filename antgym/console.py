@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
@@ -15,15 +16,34 @@ _BOX = "╭╮╰╯│─"
 
 
 @contextmanager
-def progress(title: str, total: int | None) -> Iterator[Callable[[int], None]]:
-    """Show a bar on stderr while the block runs; yields the function that advances it. No total: it pulses."""
+def progress(title: str, total: int | None, after: float = 0.0) -> Iterator[Callable[[int], None]]:
+    """Show a bar on stderr while the block runs; yields the function that advances it. No total: it pulses.
+
+    Args:
+        title: what is being done.
+        total: steps in all.
+        after: seconds to wait before the bar is shown; a block that ends sooner shows none.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(title, total=total)
-        yield lambda steps: bar.advance(task, steps)
+    bar, begun, shown = Progress(*columns, console=Console(stderr=True)), time.monotonic(), False
+    task = bar.add_task(title, total=total)
+
+    def advance(steps: int) -> None:
+        nonlocal shown
+        if not shown and time.monotonic() - begun >= after:
+            bar.start()
+            shown = True
+        bar.advance(task, steps)
+
+    advance(0)
+    try:
+        yield advance
+    finally:
+        if shown:
+            bar.stop()
 
 
 def main(script: Callable[[], None], interrupted: str = RESUMES) -> None:

@@ -5,6 +5,7 @@ import io
 import json
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,7 +24,7 @@ from antgym.planners.parameters import LIMITS, ColonyParameters
 from antgym.planners.rules import find_rules
 
 if TYPE_CHECKING:
-    from antgym.cli import PlanFile
+    from antgym.cli import MapFile, PlanFile
 
 AIR = 2  # free levels above the summit by default, so that a path can cross it
 MAX_CELLS = 512**3
@@ -64,19 +65,30 @@ def plan_file(command: "PlanFile") -> int:
     Raises:
         AntgymError: if the file, an end, a parameter or the place to write to cannot be used.
     """
-    if command.out is not None and command.picture and importlib.util.find_spec("matplotlib") is None:
-        raise MissingExtraError("matplotlib", "viz")
+    if command.out is not None and command.picture:
+        require_matplotlib()
     found = find(command)
     print(report(found))
     if command.out is not None:
-        for path, data in files(found, command.out).items():
-            write_whole(path, data)
-            print(f"wrote    {path}")
+        write(found, command.out)
     return 0 if found.plan.solved else 1
 
 
-def find(command: "PlanFile") -> Found:
-    """Read the file and plan."""
+def require_matplotlib() -> None:
+    """Raise MissingExtraError where matplotlib is not installed: told before the work, not after it."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise MissingExtraError("matplotlib", "viz")
+
+
+def write(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> None:
+    """Write the files of what was found, each whole or not at all, and say so; ``more`` joins the JSON."""
+    for path, data in files(found, stem, more).items():
+        write_whole(path, data)
+        print(f"wrote    {path}")
+
+
+def read(command: "MapFile") -> tuple[Terrain, Scenario]:
+    """Read the file and return the terrain, and the scenario that the command's ends, motion and rules make of it."""
     rules = find_rules(command.rules)
     terrain = build(read_heights(command.file), command.levels, command.rise, command.fill)
     start, goal = (_end(terrain.world, name, getattr(command, name)) for name in ("start", "goal"))
@@ -84,6 +96,13 @@ def find(command: "PlanFile") -> Found:
     motion = Motion(command.motion, check_segments=checks)
     scenario = Scenario(terrain.world, start, goal, motion, name=command.file.name)
     _ = scenario.optimum  # where no path exists, no ant need try
+    return terrain, scenario
+
+
+def find(command: "PlanFile") -> Found:
+    """Read the file and plan."""
+    terrain, scenario = read(command)
+    rules = find_rules(command.rules)
     default = rules.ranges.space(scenario.straight_line, rules.initial_pheromone).default.tolist()
     given = [getattr(command, name) for name in LIMITS]
     setting = ColonyParameters(*(d if g is None else g for g, d in zip(given, default, strict=True)))
@@ -164,7 +183,7 @@ def hint(found: Found) -> str:
     )
 
 
-def files(found: Found, stem: Path) -> dict[Path, bytes]:
+def files(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> dict[Path, bytes]:
     """Return what is written, by path: the way as CSV and JSON and, where asked for, a picture."""
     cells, points = found.plan.path, found.terrain.coordinates(found.plan.path)
     rows = [
@@ -173,7 +192,9 @@ def files(found: Found, stem: Path) -> dict[Path, bytes]:
     ]
     written = {
         _beside(stem, ".csv"): "\n".join(("i,j,k,x,y,z", *rows, "")).encode(),
-        _beside(stem, ".json"): (json.dumps(_record(found, points), indent=2) + "\n").encode(),
+        _beside(stem, ".json"): (
+            json.dumps({**_record(found, points), **(more or {})}, indent=2) + "\n"
+        ).encode(),
     }
     if found.command.picture:
         written[_beside(stem, ".png")] = picture(found)

@@ -1,35 +1,65 @@
-"""What trained agents need before a board can run: made once on the train split, kept in the board's folder."""
+"""What trained agents need before a board can run: made once on the train split, kept in the board's folder.
+
+    python -m experiments.artefacts neighbours transfer_graph --out out/trained
+
+makes what these agents need, for ``experiments.tune`` and ``experiments.transfer``; a board makes its own.
+"""
 
 import hashlib
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import tyro
+from numpy.typing import NDArray
 
 import agents
-from agents.graph import TransferGraph, trials_needed
+from agents.experience import Experience
+from agents.fitting import trials_needed
+from agents.graph import TransferGraph
 from agents.static import StaticSetting, StaticSettings, race, race_by_rules
-from antgym.console import progress
+from antgym.console import main, parse, progress
+from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
+from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.problem import TuningProblem
-from antgym.tuning.session import Session, Trial
-from experiments.presets import Preset
-from experiments.train import Arguments, train
+from antgym.tuning.session import Session
+from experiments import train
+from experiments.presets import PRESETS, Preset
+from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
 _T = TypeVar("_T")
-REPEATS = 5
-
+REPEATS = 5  # runs of each set of the transfer graph on each of its maps
+EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats (tuning.md, D3)
 ARGUMENTS = {
     "agents.static:StaticAgent": ("setting", "static.json"),
     "agents.static:StaticByRules": ("settings", "static_by_rules.json"),
     "agents.transfer:TransferAgent": ("graph", "graph.json"),
+    "agents.portfolio:PortfolioAgent": ("experience", "experience.json"),
+    "agents.neighbours:NeighbourAgent": ("experience", "experience.json"),
+    "agents.regression:ForestAgent": ("experience", "experience.json"),
+    "agents.warm_start:WarmCmaEs": ("experience", "experience.json"),
     "agents.policy:PolicyAgent": ("path", "policy.json"),
 }
 """Which argument of a trained agent takes which file."""
+
+
+@dataclass(frozen=True)
+class Arguments:
+    """Make the files that trained agents need, on the train split of a suite; what is there already stays."""
+
+    agents: tyro.conf.Positional[tuple[str, ...]]
+    """Names in the catalogue of agents."""
+    suite: str = "mountain-v0"
+    """Suite whose train maps are learnt from."""
+    preset: Literal["smoke", "quick", "full"] = "quick"
+    """How much is spent: smoke for tests, quick minutes, full an hour."""
+    out: Path = Path("out/trained")
+    """Folder of the files."""
 
 
 def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> dict[str, int]:
@@ -47,6 +77,10 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         "graph.json": (
             lambda path: _fit(suite, preset).save(path),
             lambda p: TransferGraph.load(p).evaluations,
+        ),
+        "experience.json": (
+            lambda path: _gather(suite, preset).save(path),
+            lambda p: Experience.load(p).evaluations,
         ),
         "policy.json": (lambda path: _train(path, preset), _policy_evaluations),
     }
@@ -80,26 +114,13 @@ def problem(item: SuiteItem, *parts: str | int) -> TuningProblem:
     return TuningProblem(item.scenario, item.rules, item.ants, item.iterations, seed)
 
 
-class _Watched(Session):
-    """A session that moves a progress bar."""
-
-    def __init__(self, task: TuningProblem, budget: int, advance: Callable[[int], None]) -> None:
-        super().__init__(task, budget)
-        self._advance = advance
-
-    def evaluate(self, units: ArrayLike) -> tuple[Trial, ...]:
-        trials = super().evaluate(units)
-        self._advance(len(trials))
-        return trials
-
-
 def _race(by: Callable[[Sequence[Session], Floats], _T], suite: str, preset: Preset) -> _T:
     from scipy.stats import qmc
 
     items = load_suite(suite, "train")[: preset.race_maps]
     candidates = qmc.Sobol(4, seed=0).random(preset.race_settings)
     with progress("racing for the best static settings", None) as advance:
-        sessions = [_Watched(problem(item, "race"), preset.race_settings, advance) for item in items]
+        sessions = [WatchedSession(problem(item, "race"), preset.race_settings, advance) for item in items]
         return by(sessions, np.clip(candidates, 0, 1))
 
 
@@ -107,14 +128,50 @@ def _fit(suite: str, preset: Preset) -> TransferGraph:
     items = load_suite(suite, "train")[: preset.sources]
     budget = trials_needed(len(items), preset.source_search, REPEATS)
     with progress(f"fitting the transfer graph on {len(items)} maps", budget * len(items)) as advance:
-        sessions = [_Watched(problem(item, "graph"), budget, advance) for item in items]
+        sessions = [WatchedSession(problem(item, "graph"), budget, advance) for item in items]
         names = [item.name for item in items]
         return TransferGraph.fit(sessions, names=names, search=preset.source_search, repeats=REPEATS)
 
 
+def _gather(suite: str, preset: Preset) -> Experience:
+    """Run the published default and a Sobol design on the first train maps."""
+    from scipy.stats import qmc
+
+    items = load_suite(suite, "train")[: preset.experience_maps]
+    units = np.clip(qmc.Sobol(4, seed=1).random(preset.experience_settings), 0, 1)
+    units[0] = 0.5
+    runs = preset.experience_settings * EXPERIENCE_REPEATS
+    with progress(f"gathering experience on {len(items)} maps", runs * len(items)) as advance:
+        return Experience.gather(
+            [WatchedSession(problem(item, "experience"), runs, advance) for item in items],
+            units,
+            described=[feature.name for feature in TASK_FEATURES],
+            names=[item.name for item in items],
+            repeats=EXPERIENCE_REPEATS,
+            provenance={"suite": suite},
+        )
+
+
 def _train(card: Path, preset: Preset) -> None:
-    train(Arguments("PPO", evaluations=preset.policy_evaluations, out=card.with_suffix("")))
+    train.train(train.Arguments("PPO", evaluations=preset.policy_evaluations, out=card.with_suffix("")))
 
 
 def _policy_evaluations(card: Path) -> int:
     return int(json.loads(card.read_text(encoding="utf-8"))["evaluations"])
+
+
+def make_artefacts(arguments: Arguments) -> None:
+    """Make the files and say what each cost."""
+    if not arguments.agents:
+        trained = [card.name for card in agents.CATALOGUE.values() if card.trained]
+        raise ParameterError(f"name the agents that need files: {', '.join(trained)}")
+    spent = prepare(arguments.out, arguments.suite, PRESETS[arguments.preset], arguments.agents)
+    for name, evaluations in spent.items():
+        print(f"{arguments.out / name}: {evaluations:,} evaluations")
+
+
+if __name__ == "__main__":
+    main(
+        lambda: make_artefacts(parse(Arguments, None, "python -m experiments.artefacts")),
+        interrupted="interrupted; files that were done are kept, the one that was being made is not",
+    )

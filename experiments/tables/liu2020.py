@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import agents
-from agents.graph import TransferGraph, trials_needed
+from agents.fitting import trials_needed
+from agents.graph import TransferGraph
 from agents.laplacian import transfers
 from antgym.console import progress
 from antgym.maps.world import Scenario

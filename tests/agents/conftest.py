@@ -18,8 +18,9 @@ class Bowl:
         fails: whether every trial fails.
         granted: trials at most in one batch, to send back fewer than asked.
         straight_line: what Q scales with.
-        rules: whose parameters are chosen; the features show them, and nothing else.
+        rules: whose parameters are chosen; the features show them.
         iterations: of a run.
+        features: the first features of its task; all others but the rules are 0.
     """
 
     def __init__(
@@ -33,10 +34,12 @@ class Bowl:
         straight_line=100.0,
         rules="liu2020",
         iterations=50,
+        features=(),
     ):
         space = PAPERS[rules].ranges.space(straight_line)
-        features = np.array([feature.name == f"rules_{rules}" for feature in TASK_FEATURES], np.float32)
-        self.task = Task(space, features, 20, iterations, budget)
+        shown = np.array([feature.name == f"rules_{rules}" for feature in TASK_FEATURES], np.float32)
+        shown[: len(features)] = features
+        self.task = Task(space, shown, 20, iterations, budget)
         self.problem = self  # tune() asks a session's problem for the space
         self.space = space
         self.optimum, self.noise, self.fails = np.array(optimum), noise, fails
@@ -81,3 +84,16 @@ def graph():
     optima = [(0.3, 0.7, 0.6, 0.4), (0.4, 0.6, 0.5, 0.5), (0.8, 0.2, 0.3, 0.6)]
     sessions = [Bowl(200, optimum=optimum, noise=0.05) for optimum in optima]
     return TransferGraph.fit(sessions, search=16, repeats=4, seed=3)
+
+
+@pytest.fixture(scope="session")
+def experience():
+    """Ten maps in two groups that a feature tells apart, each with an optimum of its own."""
+    pytest.importorskip("agents")
+    from agents.experience import Experience
+
+    optima = {0.0: (0.3, 0.7, 0.6, 0.4), 1.0: (0.8, 0.2, 0.3, 0.6)}
+    sessions = [Bowl(64, optimum=optima[i % 2], noise=0.02, features=(i % 2, i / 50)) for i in range(10)]
+    units = np.random.default_rng(0).random((32, 4))
+    described = [feature.name for feature in TASK_FEATURES]
+    return Experience.gather(sessions, units, described=described)

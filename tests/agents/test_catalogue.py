@@ -14,12 +14,14 @@ from antgym.maps.world import GridWorld, Scenario
 from antgym.tuning import COST_CAP, Session, tune, tune_together
 from antgym.tuning.problem import TuningProblem
 
+MODULES = {"scikit-learn": "sklearn"}
 SLOW = ("optuna_gp",)
 NAMES = [
     pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
     for name in agents.CATALOGUE
     if name != "rl"
 ]
+LEARNT = ("portfolio", "neighbours", "regression", "cma_es_warm")
 SEARCHING = [f"agents.{module}" for module in ("bayesian", "controls", "covariance", "evolutionary")]
 SEARCHERS = [
     name
@@ -32,11 +34,11 @@ README = Path(__file__).parents[2] / "README.md"
 def require(name):
     """Skip where a library behind an agent is absent."""
     for library in agents.CATALOGUE[name].libraries:
-        pytest.importorskip(library)
+        pytest.importorskip(MODULES.get(library, library))
 
 
 @pytest.fixture(params=NAMES)
-def build(request, graph):
+def build(request, graph, experience):
     """A function that makes a fresh agent of one catalogue entry."""
     card = agents.CATALOGUE[request.param]
     require(card.name)
@@ -46,7 +48,8 @@ def build(request, graph):
         "agents.static:StaticByRules": {"settings": StaticSettings({"liu2020": static})},
         "agents.transfer:TransferAgent": {"graph": graph},
     }
-    return lambda: agents.make(card.name, **trained.get(card.entry_point, {}))
+    learnt = {"experience": experience} if card.name in LEARNT else {}
+    return lambda: agents.make(card.name, **learnt, **trained.get(card.entry_point, {}))
 
 
 @pytest.fixture
@@ -184,8 +187,23 @@ def test_an_unknown_setting_names_the_nearest(name):
         agents.make(name, popullation=10)
 
 
+@pytest.mark.parametrize("name", LEARNT)
+def test_experience_beats_the_default_without_a_trial(name, experience, bowl):
+    require(name)
+    session = bowl(0, optimum=(0.8, 0.2, 0.3, 0.6), features=(1, 0.1))
+    agent = agents.make(name, experience=experience)
+    agent.reset(session.task, seed=0)
+    assert session.cost(agent.recommend())[0] < session.cost(np.full(4, 0.5))[0]
+
+
 @pytest.mark.parametrize(
-    ("name", "argument"), [("transfer_graph", "graph"), ("rl", "path"), ("best_static_by_rules", "settings")]
+    ("name", "argument"),
+    [
+        ("transfer_graph", "graph"),
+        ("rl", "path"),
+        ("portfolio", "experience"),
+        ("best_static_by_rules", "settings"),
+    ],
 )
 def test_a_trained_agent_without_its_artefact_says_what_it_needs(name, argument):
     with pytest.raises(ParameterError, match=f"needs {argument}="):
@@ -206,16 +224,20 @@ def test_versions_name_every_library_behind_an_agent():
         ("optuna_cma", "cmaes", "agents"),
         ("optuna_gp", "torch", "gp"),
         ("optuna_gp", "greenlet", "gp"),
+        ("cma_es_warm", "cmaes", "agents"),
+        ("regression", "scikit-learn", "agents"),
     ],
 )
-def test_a_missing_library_says_how_to_mend_it(name, library, extra, bowl, monkeypatch):
+def test_a_missing_library_says_how_to_mend_it(name, library, extra, experience, monkeypatch):
+    learnt = {"experience": experience} if name in LEARNT else {}
+    module = MODULES.get(library, library)
     for before in agents.CATALOGUE[name].libraries[: agents.CATALOGUE[name].libraries.index(library)]:
         pytest.importorskip(before)
-    for module in [m for m in sys.modules if m == library or m.startswith(f"{library}.")]:
-        monkeypatch.delitem(sys.modules, module)
-    monkeypatch.setitem(sys.modules, library, None)
+    for loaded in [m for m in sys.modules if m == module or m.startswith(f"{module}.")]:
+        monkeypatch.delitem(sys.modules, loaded)
+    monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(MissingExtraError, match=rf"{library} is not .*antgym\[{extra}\]"):
-        agents.make(name)
+        agents.make(name, **learnt)
 
 
 def test_the_readme_shows_the_agents_as_they_are():

@@ -9,7 +9,17 @@ import agents
 import antgym.tuning
 
 FILES = sorted(Path(agents.__file__).parent.glob("*.py"))
-LIBRARIES = {"cmaes", "numpy", "pymoo", "optuna", "scipy", "stable_baselines3", "torch"}
+LIBRARIES = {
+    "cmaes",
+    "matplotlib",
+    "numpy",
+    "optuna",
+    "pymoo",
+    "scipy",
+    "sklearn",
+    "stable_baselines3",
+    "torch",
+}
 
 
 def _imports(path):

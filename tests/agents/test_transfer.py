@@ -2,13 +2,14 @@
 
 import dataclasses
 import json
+import sys
 
 import numpy as np
 import pytest
 
-from agents.laplacian import affinities, regrets, relabel, transfers
+from agents.laplacian import affinities, laplacian, map_affinities, regrets, relabel, transfers
 from agents.transfer import TransferAgent, TransferGraph, eq14, paper_weights, sound_weights, trials_needed
-from antgym.errors import BudgetError, ParameterError
+from antgym.errors import BudgetError, MissingExtraError, ParameterError
 from antgym.tuning import COST_CAP, Session, tune
 
 TABLE_1 = np.array(
@@ -116,10 +117,24 @@ def test_maps_are_labelled_with_the_set_that_does_best_on_them():
     assert sound_weights(costs, TARGET, 0.05, 0.1)[0] == 0
 
 
-def test_sets_that_were_not_run_get_no_weight():
-    weights = sound_weights(COSTS, np.array([1.3, np.nan, 1.5]), 0.05, 0.1)
-    assert weights[1] == 0
+def test_of_some_sets_alone_every_map_is_labelled_with_the_best_of_them():
+    weights = sound_weights(COSTS[[0, 2]], TARGET[[0, 2]], 0.05, 0.1)
+    assert weights.shape == (2,)
     assert weights.sum() == pytest.approx(1)
+    assert sound_weights(COSTS[:1], TARGET[:1], 0.05, 0.1).tolist() == [pytest.approx(1)]
+
+
+def test_two_maps_are_joined_by_their_labels_regret_on_each_other():
+    """By hand: set 0 costs 1.10 of the best on map 1, set 1 costs 1.05 of the best on map 0."""
+    assert map_affinities(COSTS, 0.1)[0, 1] == pytest.approx(np.exp(-(0.10 + 0.05) / 0.2))
+    assert map_affinities(COSTS, 0.1).diagonal().tolist() == [0, 0, 0]
+
+
+def test_the_smoothest_function_on_two_maps_by_hand():
+    """One set a map, no regret anywhere: all edges 1, (S + gamma L) z = S u has the mean as its answer."""
+    assert sound_weights(np.ones((2, 2)), np.ones(2), 0.02, 0.1).tolist() == [pytest.approx(1), 0]
+    costs = np.array([[1.0, 1.0 + 1e-12], [1.0 + 1e-12, 1.0]])
+    np.testing.assert_allclose(sound_weights(costs, np.ones(2), 0.02, 0.1), [0.5, 0.5])
 
 
 def test_regrets_are_zero_for_the_best_of_each_map():
@@ -166,8 +181,8 @@ def test_a_graph_survives_a_round_trip_through_its_file(graph, tmp_path):
     ("content", "reason"),
     [
         ("{", "no JSON"),
-        ("[]", "not an 'antgym transfer graph 1'"),
-        ('{"format": "antgym transfer graph 1"}', "with the fields"),
+        ("[]", "not an 'antgym transfer graph 2'"),
+        ('{"format": "antgym transfer graph 2"}', "with the fields"),
     ],
 )
 def test_a_damaged_file_says_where_and_what(content, reason, tmp_path):
@@ -220,16 +235,34 @@ def test_the_guard_runs_its_candidates_afresh_and_keeps_the_winner(graph, bowl):
     session = bowl(60, optimum=(0.5, 0.5, 0.5, 0.5), noise=0.01)
     result = tune(TransferAgent(graph), session, seed=0)
     assert result.recommendation.tolist() == [0.5] * 4
-    assert len(session.batches) == 2
+    assert session.left == 0
 
 
-def test_sound_mode_runs_sets_that_are_best_nowhere_only_with_an_ample_budget(graph, bowl):
-    costs = [[(1.5,)] * 3, [(1.2,)] * 3, [(1.3,)] * 2 + [(1.1,)]]  # set 0 is best on no map
-    graph = dataclasses.replace(graph, costs=tuple(map(tuple, costs)))
-    for budget, sets in ((17, 2), (18, 3)):
-        agent, session = TransferAgent(graph), bowl(budget)
-        agent.reset(session.task, seed=0)
-        assert len(np.unique(agent.ask(), axis=0)) == sets
+def test_the_blend_is_never_believed_untested(graph, bowl):
+    """However small the budget, sound mode recommends a setting that it ran."""
+    for budget in range(1, 12):
+        session = bowl(budget, noise=0.05)
+        recommendation = tune(TransferAgent(graph), session, seed=0).recommendation
+        assert tuple(recommendation.tolist()) in {trial.unit for trial in session.trials}
+
+
+def test_sound_mode_spends_all_and_probes_with_two_fifths(graph, bowl):
+    agent, session = TransferAgent(graph), bowl(20)
+    agent.reset(session.task, seed=0)
+    assert len(agent.ask()) == 6
+    assert tune(TransferAgent(graph), session, seed=0).trials == session.trials
+    assert session.left == 0
+
+
+def test_with_few_trials_sets_come_first_that_complement_each_other(graph, bowl):
+    """Set 0 is best on average, set 2 helps where it fails, set 1 is as good as set 0 in nothing."""
+    costs = [[(1.1,), (1.1,), (1.6,)], [(1.15,), (1.15,), (1.6,)], [(1.8,), (1.8,), (1.1,)]]
+    graph = dataclasses.replace(graph, costs=tuple(map(tuple, costs)), left_out=())
+    assert graph.ranking == [0, 1, 2]
+    assert graph.order == [0, 2, 1]
+    session = bowl(2)
+    tune(TransferAgent(graph, "copy"), session, seed=0)
+    assert [trial.unit for trial in session.trials] == [graph.units[0], graph.units[2]]
 
 
 @pytest.mark.parametrize("budget", range(1, 30))
@@ -316,3 +349,42 @@ def test_a_graph_fitted_through_real_sessions_transfers_to_a_real_target(valley)
     target = session(9, 20)
     recommendation = tune(TransferAgent(graph), target, seed=0).recommendation
     target.task.space.check(recommendation)
+
+
+def test_each_source_is_left_out_once_and_paid_for(graph):
+    assert [row.name for row in graph.negative_transfer] == list(graph.names)
+    assert np.shape(graph.left_out) == (3, 3, 4)
+    assert all(row.transferred > 0 for row in graph.negative_transfer)
+
+
+def test_negative_transfer_is_what_two_standard_errors_cannot_explain(graph):
+    """Transferred, copied, default: clearly worse than both, within the noise of both, better than both."""
+    left_out = (
+        ((1.5, 1.5), (1.2, 1.2), (1.3, 1.3)),
+        ((1.2, 1.4), (1.2, 1.3), (1.1, 1.3)),
+        ((1.1, 1.1), (1.2, 1.2), (1.3, 1.3)),
+    )
+    rows = dataclasses.replace(graph, left_out=left_out).negative_transfer
+    assert [row.worse_than_copy for row in rows] == [True, False, False]
+    assert [row.worse_than_default for row in rows] == [True, False, False]
+    assert rows[0][1:4] == pytest.approx((1.5, 1.2, 1.3))
+
+
+def test_the_spectrum_counts_the_parts_of_the_graph(graph):
+    """Three maps, the third apart from the others: two eigenvalues are 0."""
+    costs = [[(1.0,), (1.0,), (2.0,)], [(1.0,), (1.0,), (2.0,)], [(2.0,), (2.0,), (1.0,)]]
+    apart = dataclasses.replace(graph, costs=tuple(map(tuple, costs)), tau=0.01)
+    np.testing.assert_allclose(apart.spectrum, [0, 0, 2], atol=1e-9)
+    assert laplacian(apart.affinities).sum() == pytest.approx(0)
+
+
+def test_a_graph_is_drawn(graph, tmp_path):
+    pytest.importorskip("matplotlib")
+    for drawn in (graph, dataclasses.replace(graph, left_out=())):
+        assert drawn.plot(tmp_path / "graph.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_without_matplotlib_says_how_to_mend_it(graph, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(MissingExtraError, match=r"antgym\[viz\]"):
+        graph.plot(tmp_path / "graph.png")

@@ -3,9 +3,9 @@
 from agents.static import StaticByRules, StaticSettings
 from antgym.maps.suites import load_suite
 from experiments.artefacts import prepare, problem, trained_argument
-from experiments.presets import Preset
+from experiments.presets import PRESETS
 
-TINY = Preset(2, 2, 5, 2, 0, 3, 1, 2, 4)
+TINY = PRESETS["smoke"]._replace(race_maps=2, race_settings=4)
 
 
 def test_settings_by_rules_are_raced_once_and_recommended(tmp_path):

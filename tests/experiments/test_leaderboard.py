@@ -26,7 +26,7 @@ from experiments.leaderboard import STATIC, Arguments, run_board
 from experiments.presets import PRESETS, Preset
 
 AGENTS = ("uniform_random", "random_search", "optuna_tpe")
-TINY = Preset(2, 2, 5, 2, 0, 3, 1, 1, 1)
+TINY = Preset(2, 2, 5, 2, 0, 3, 1, 1, 1, 1, 1)
 ROOT = Path(leaderboard.__file__).parents[1]
 
 

@@ -1,0 +1,53 @@
+"""Files of trained agents: one JSON object each, named by its format; reading one runs nothing of it."""
+
+import json
+import os
+from collections.abc import Mapping, Set
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antgym.errors import ParameterError
+
+Floats = NDArray[np.float64]
+
+
+def save(path: str | Path, form: str, content: Mapping[str, Any]) -> None:
+    """Write an artefact as JSON; a file of that name is replaced at once or not at all."""
+    path = Path(path)
+    draft = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    draft.write_text(json.dumps({"format": form, **content}, indent=1), encoding="utf-8")
+    draft.replace(path)
+
+
+def load(path: str | Path, form: str, known: Set[str]) -> dict[str, Any]:
+    """Return what an artefact holds, lists as tuples; ParameterError names the file and what is wrong with it."""
+    path, what = Path(path), form.removeprefix("antgym ").rstrip("0123456789 ")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ParameterError(f"{path}: no such {what}") from None
+    except OSError as error:
+        raise ParameterError(f"{path}: no {what} ({error.strerror})") from None
+    except (ValueError, RecursionError) as error:
+        raise ParameterError(f"{path}: no JSON ({error})") from None
+    if not isinstance(content, dict) or content.pop("format", None) != form or set(content) != known:
+        raise ParameterError(f"{path}: not an {form!r} with the fields {', '.join(sorted(known))}")
+    return {name: as_tuples(value) for name, value in content.items()}
+
+
+def as_tuples(values: Any) -> Any:
+    """Return nested lists or an array as nested tuples; anything else as it is."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    return tuple(as_tuples(v) for v in values) if isinstance(values, list) else values
+
+
+def as_array(values: Any, label: str) -> Floats:
+    """Return numbers as a float64 array; ParameterError with the label where they are no regular table."""
+    try:
+        return np.array(values, dtype=np.float64)
+    except (ValueError, TypeError):
+        raise ParameterError(f"{label} must be numbers in a regular table") from None

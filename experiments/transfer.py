@@ -1,0 +1,215 @@
+"""Transfer measured: agents that learnt from train maps, on maps that none of them has seen, at a few budgets.
+
+    python -m experiments.artefacts transfer_graph portfolio best_static --out out/trained
+    python -m experiments.transfer --artefacts out/trained --out out/transfer
+
+Every recommendation is judged on fresh, uncharged runs; differences are paired by map. Transfer is negative on a map
+where an agent's setting is clearly worse than one that needs no graph: the published default, or the copied best source
+at the same budget; clearly means by more than two standard errors of the fresh runs.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+import agents
+from agents.graph import TransferGraph
+from antgym.console import main, parse, progress
+from antgym.errors import ParameterError
+from antgym.maps.suites import SuiteItem, load_suite
+from antgym.tuning.agent import Agent, tune
+from antgym.tuning.session import Session
+from experiments.artefacts import derived_seed, problem, trained_argument
+from experiments.statistics import Difference, cluster_interval, paired_difference, wilson_interval
+from experiments.tables.sheet import new_figure, publish, table
+
+Floats = NDArray[np.float64]
+DEFAULT, COPY = "published_default", "copy_best_source"
+GRAPH = "graph.json"
+AGENTS = (
+    *("transfer_graph", COPY, "mean_of_sources", "transfer_graph_paper", "transfer_graph_abs", "portfolio"),
+    *("neighbours", "regression", "cma_es_warm", "best_static", "optuna_tpe", DEFAULT),
+)
+
+
+@dataclass(frozen=True)
+class Arguments:
+    """Measure agents on unseen maps: gaps by budget, paired differences, negative transfer, the graph's picture."""
+
+    artefacts: Path = Path("out/trained")
+    """Folder of the trained agents' files."""
+    out: Path = Path("out/transfer")
+    """Folder of transfer.md, transfer.json, transfer.png and graph.png."""
+    suite: str = "mountain-v0"
+    """Suite of the targets."""
+    split: str = "validation"
+    """Its split: validation, test or ood."""
+    maps: int = 50
+    """The first so many maps of it."""
+    seeds: int = 2
+    """Tuner and planner seeds per map."""
+    budgets: tuple[int, ...] = (1, 5, 20)
+    """Trials that an agent may pay for on a target; 0 asks without any."""
+    fresh: int = 16
+    """Runs that judge each recommendation."""
+    agents: tuple[str, ...] = AGENTS
+    """Names in the catalogue; the first is compared with all others."""
+
+
+class Outcome(NamedTuple):
+    """What an agent achieved at one budget: gaps of all fresh runs, (maps, seeds, fresh), and trials paid, mean."""
+
+    gaps: Floats
+    trials: float
+
+    @property
+    def means(self) -> Floats:
+        """Mean gap of each recommendation, (maps, seeds)."""
+        return np.asarray(self.gaps.mean(axis=2), dtype=np.float64)
+
+
+Key = tuple[int, str]
+"""(budget, agent)"""
+
+
+def measure(arguments: Arguments) -> dict[Key, Outcome]:
+    """Let every agent tune every target at every budget."""
+    missing = {COPY, DEFAULT} - set(arguments.agents)
+    if missing or min(arguments.budgets, default=0) < 0 or arguments.maps < 2:
+        raise ParameterError(
+            f"--agents must name {COPY} and {DEFAULT}, which negative transfer is measured against; "
+            "--budgets must be 0 or more, --maps 2 or more"
+        )
+    built: list[tuple[str, Agent]] = [
+        (name, agents.make(name, **trained_argument(name, arguments.artefacts))) for name in arguments.agents
+    ]
+    items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
+    outcomes = {}
+    with progress("transfer", len(arguments.budgets) * len(built) * len(items)) as advance:
+        for budget in arguments.budgets:
+            for name, agent in built:
+                runs = []
+                for item in items:
+                    runs.append(
+                        [_play(agent, name, item, budget, s, arguments.fresh) for s in range(arguments.seeds)]
+                    )
+                    advance(1)
+                gaps = np.array([[gap for gap, _ in row] for row in runs])
+                outcomes[budget, name] = Outcome(
+                    gaps, float(np.mean([[paid for _, paid in row] for row in runs]))
+                )
+    return outcomes
+
+
+def _play(agent: Agent, name: str, item: SuiteItem, budget: int, seed: int, fresh: int) -> tuple[Floats, int]:
+    """Return the gaps of fresh runs of what an agent recommends for a target, (fresh,), and the trials it paid."""
+    target = problem(item, "transfer", seed)
+    child = derived_seed("transfer", name, item.scenario.digest, seed)
+    if budget:
+        unit, trials = tune(agent, Session(target, budget), seed=child)
+        return target.gap(target.fresh(unit, fresh).lengths), len(trials)
+    agent.reset(target.task(0), seed=child)
+    return target.gap(target.fresh(agent.recommend(), fresh).lengths), 0
+
+
+def worse(outcome: Outcome, reference: Outcome) -> int:
+    """Return on how many maps an outcome is clearly worse than a reference: by more than two standard errors."""
+    ours, theirs = (np.reshape(o.gaps, (len(o.gaps), -1)) for o in (outcome, reference))
+    doubt = 2 * np.sqrt(ours.var(axis=1) / ours.shape[1] + theirs.var(axis=1) / theirs.shape[1])
+    return int((ours.mean(axis=1) - theirs.mean(axis=1) > doubt).sum())
+
+
+def report(arguments: Arguments) -> Path:
+    """Measure, write the tables and the pictures, and return the Markdown file."""
+    new_figure(1, 1)  # a missing library is told before the work, not after it
+    outcomes = measure(arguments)
+    graph = TransferGraph.load(arguments.artefacts / GRAPH)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    graph.plot(arguments.out / "graph.png")
+    parts = [
+        f"# Transfer on {arguments.maps} maps of {arguments.suite} {arguments.split}",
+        f"{arguments.seeds} seeds a map, each recommendation judged on {arguments.fresh} fresh runs; gaps in %, "
+        "with 95 % intervals over maps and seeds.",
+        *(_section(arguments, budget, outcomes) for budget in arguments.budgets),
+        "## The graph: each source left out",
+        _left_out(graph),
+        "![graph](graph.png) ![gaps](transfer.png)",
+    ]
+    numbers = {f"{name}/{budget}": outcome.means.tolist() for (budget, name), outcome in outcomes.items()}
+    return publish(
+        arguments.out, "transfer", "\n\n".join(parts) + "\n", numbers, _figure(arguments, outcomes)
+    )
+
+
+HEADINGS = (
+    *("agent", "gap %", "95 %", "trials", "first minus this, points", "95 %"),
+    *("worse than default", "worse than copy"),
+)
+
+
+def _section(arguments: Arguments, budget: int, outcomes: dict[Key, Outcome]) -> str:
+    first = outcomes[budget, arguments.agents[0]]
+    rows = []
+    for name in sorted(arguments.agents, key=lambda name: float(outcomes[budget, name].means.mean())):
+        found = outcomes[budget, name]
+        low, high = cluster_interval(found.means)
+        shares = [_share(worse(found, outcomes[budget, other]), len(found.gaps)) for other in (DEFAULT, COPY)]
+        difference = paired_difference(first.means, found.means) if found is not first else None
+        rows.append(
+            [
+                name,
+                f"{100 * found.means.mean():.1f}",
+                f"{100 * low:.1f} to {100 * high:.1f}",
+                f"{found.trials:.1f}",
+                *_signed(difference),
+                *shares,
+            ]
+        )
+    return f"## {budget} trials a target\n\n{table(HEADINGS, rows)}"
+
+
+def _signed(difference: Difference | None) -> tuple[str, str]:
+    if difference is None:
+        return "–", "–"
+    return f"{100 * difference.mean:+.1f}", f"{100 * difference.low:+.1f} to {100 * difference.high:+.1f}"
+
+
+def _share(hits: int, count: int) -> str:
+    low, high = wilson_interval(hits, count)
+    return f"{hits / count:.0%} ({low:.0%} to {high:.0%})"
+
+
+def _left_out(graph: TransferGraph) -> str:
+    rows = [
+        [
+            row.name,
+            *(f"{cost:.3f}" for cost in (row.transferred, row.copied, row.default)),
+            "yes" if row.worse_than_copy else "no",
+            "yes" if row.worse_than_default else "no",
+        ]
+        for row in graph.negative_transfer
+    ]
+    return table(
+        ["source", "transferred", "copied", "default", "worse than copy", "worse than default"], rows
+    )
+
+
+def _figure(arguments: Arguments, outcomes: dict[Key, Outcome]) -> Any:
+    figure = new_figure(8, 5)
+    axes = figure.subplots()
+    for name in arguments.agents:
+        gaps = [100 * outcomes[budget, name].means.mean() for budget in arguments.budgets]
+        axes.plot(arguments.budgets, gaps, marker="o", label=name)
+    axes.set(xlabel="trials on the target", ylabel="mean gap %", xscale="symlog", ylim=(0, None))
+    axes.legend(fontsize=7, ncols=2)
+    return figure
+
+
+if __name__ == "__main__":
+    main(
+        lambda: print(f"\nwritten: {report(parse(Arguments, None, 'python -m experiments.transfer'))}"),
+        interrupted="interrupted; nothing was written",
+    )

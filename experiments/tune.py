@@ -1,0 +1,176 @@
+"""Tune the colony on one map of your own, with any agent of the catalogue.
+
+    python -m experiments.tune docs/hills.asc --start 0 10 2 --goal 20 10 2 --agent optuna_tpe --budget 40
+
+prints parameters, expected gap and seed, and writes the path as ``antgym plan`` does. Every trial is on disk before the
+next batch is asked for; a run that was stopped, or killed, goes on where it was when the same command is given again.
+"""
+
+import hashlib
+import sys
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import agents
+import antgym
+from antgym import plan_file
+from antgym.cli import MapFile, PlanFile
+from antgym.console import main, parse, progress
+from antgym.errors import BudgetError, ParameterError
+from antgym.kernels import sources_hash
+from antgym.planners.colony import plan_many
+from antgym.tuning.agent import Agent, tune
+from antgym.tuning.ledger import Ledger
+from antgym.tuning.problem import FRESH, TuningProblem
+from experiments.artefacts import derived_seed, trained_argument
+from experiments.watching import WatchedSession
+
+Floats = NDArray[np.float64]
+PATIENCE = 2.0  # seconds without a bar
+PART = 8  # trials in one planner call: at most so many are lost when a run is killed
+PROG = "python -m experiments.tune"
+
+
+@dataclass(frozen=True)
+class Arguments(MapFile):
+    """Tune the colony's parameters on an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
+
+    An agent may run the planner --budget times on the map, then says which parameters to use. They are judged on
+    --fresh further runs, and the best of these is the path that is written. With --budget 0 an agent answers from what
+    it has learnt elsewhere. Agents that learn from train maps need --artefacts, the folder of their files.
+    """
+
+    agent: str = "optuna_tpe"
+    """Name in the catalogue of agents; an unknown name lists them all."""
+    budget: int = 20
+    """Planner runs that the agent may pay for, from 0 up."""
+    artefacts: Path | None = None
+    """Folder of trained agents' files: made by experiments.artefacts, or trained/ of a leaderboard."""
+    ants: int = 20
+    """Ants per iteration of every run; no agent can buy more."""
+    iterations: int = 100
+    """Iterations of every run."""
+    fresh: int = 16
+    """Runs that judge the parameters afterwards, at least one; not charged to the budget."""
+    seed: int = 0
+    """Root of the agent's and the planner's seeds."""
+    out: Path | None = None
+    """Write OUT.csv, OUT.json, OUT.png and the trials, OUT.trials; by default out/tune/ and the file's name."""
+    picture: bool = True
+    """Whether OUT.png is among them; it needs matplotlib."""
+
+
+def run(arguments: Arguments) -> int:
+    """Tune, judge, print, write; return 0, or 1 where no run with the parameters found a path."""
+    if arguments.budget < 0 or arguments.fresh < 1:
+        raise BudgetError(
+            f"--budget {arguments.budget} must be 0 or more, --fresh {arguments.fresh} at least 1"
+        )
+    if arguments.picture:
+        plan_file.require_matplotlib()
+    agent = find_agent(arguments.agent, arguments.artefacts)
+    _, scenario = plan_file.read(arguments)
+    seed = derived_seed("tune", scenario.digest, arguments.seed)
+    problem = TuningProblem(scenario, arguments.rules, arguments.ants, arguments.iterations, seed)
+    stem = arguments.out or Path("out/tune") / arguments.file.stem
+    unit = search(agent, problem, arguments, stem)
+    command, gaps = judge(problem, unit, arguments)
+    found = plan_file.find(command)
+    print(summary(arguments, gaps))
+    print(plan_file.report(found))
+    tuning = {"agent": arguments.agent, "budget": arguments.budget, "root_seed": arguments.seed}
+    plan_file.write(found, stem, {"tuning": {**tuning, "unit": unit.tolist(), "fresh_gaps": gaps}})
+    return 0 if found.plan.solved else 1
+
+
+def find_agent(name: str, folder: Path | None) -> Agent:
+    """Return an agent, with its file where it needs one; ParameterError names the command that makes it."""
+    card = agents.find_card(name)
+    if not card.trained:
+        return agents.make(name)
+    here = folder or Path("out/trained")
+    argument = trained_argument(name, here)
+    path = next(iter(argument.values()))
+    if folder is None or not path.exists():
+        make = f"experiments.train PPO --out {path.with_suffix('')}"
+        if path.name != "policy.json":
+            make = f"experiments.artefacts {name} --out {here}"
+        problem = f"{path} is not there" if folder else "--artefacts FOLDER is missing"
+        raise ParameterError(
+            f"agent {name!r} needs what it learnt from train maps, and {problem}; make it with: "
+            f"python -m {make}; then give --artefacts {here}"
+        )
+    return agents.make(name, **argument)
+
+
+def search(agent: Agent, problem: TuningProblem, arguments: Arguments, stem: Path) -> Floats:
+    """Return the (d,) setting that the agent recommends after its trials, which a ledger beside the stem keeps."""
+    seed = derived_seed("tune", arguments.agent, problem.seed)
+    if arguments.budget == 0:
+        agent.reset(problem.task(0), seed=seed)
+        return problem.space.check(agent.recommend())[0]
+    folder = stem.with_name(stem.name + ".trials")
+    with Ledger(folder, _config(problem, arguments), _versions(arguments.agent)) as ledger:
+        kept = ledger.run("tune")
+        title = f"{arguments.agent} on {arguments.file.name}"
+        with progress(title, arguments.budget, after=PATIENCE) as advance:
+            session = WatchedSession(problem, arguments.budget, advance, kept, PART)
+            return tune(agent, session, seed=seed).recommendation
+
+
+def judge(problem: TuningProblem, unit: Floats, arguments: Arguments) -> tuple[PlanFile, list[float]]:
+    """Run a setting on fresh seeds; return the command that plans the best of these runs again, and all gaps.
+
+    Values are rounded to the six digits that are printed, and seeds are short, so that what is printed is what was run.
+    """
+    values = [float(f"{value:.6g}") for value in problem.space.decode(unit)[0]]
+    seeds = problem.seeds(FRESH, 0, arguments.fresh) >> np.uint64(32)
+    with progress("judging on fresh runs", arguments.fresh, after=PATIENCE) as advance:
+        lengths: list[float] = []
+        for first in range(0, len(seeds), PART):
+            part = [int(seed) for seed in seeds[first : first + PART]]
+            effort = {"ants": problem.ants, "iterations": problem.iterations}
+            scenarios, settings = [problem.scenario] * len(part), [values] * len(part)
+            runs = plan_many(scenarios, settings, rules=problem.rules, **effort, seeds=part)
+            lengths += runs.lengths.tolist()
+            advance(len(part))
+    best = int(seeds[int(np.argmin(lengths))])
+    given: dict[str, Any] = {field.name: getattr(arguments, field.name) for field in fields(MapFile)}
+    given.update(zip(problem.space.names, values, strict=True))
+    given.update(ants=problem.ants, iterations=problem.iterations, seed=best, picture=arguments.picture)
+    command = PlanFile(**given)
+    return command, problem.gap(np.array(lengths)).tolist()
+
+
+def summary(arguments: Arguments, gaps: list[float]) -> str:
+    """Return what there is to say of the setting before its best run is shown."""
+    solved = sum(gap < 1 for gap in gaps)
+    expected = (
+        f"{np.mean(gaps):.2%} on average over {len(gaps)} fresh runs, {min(gaps):.2%} to {max(gaps):.2%}"
+    )
+    return (
+        f"agent    {arguments.agent}, {arguments.budget} trials, seed {arguments.seed}\n"
+        f"expected {expected}; {solved} of {len(gaps)} below twice the optimum\n"
+        "below    the best of them, as antgym plan finds it with this setting"
+    )
+
+
+def _config(problem: TuningProblem, arguments: Arguments) -> dict[str, Any]:
+    """Return what decides a trial; a folder goes on only with the same."""
+    paths = trained_argument(arguments.agent, arguments.artefacts or Path()).values()
+    learnt = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in paths}
+    effort = {"rules": problem.rules, "ants": problem.ants, "iterations": problem.iterations}
+    asked = {name: getattr(arguments, name) for name in ("agent", "budget", "seed")}
+    return {"map": problem.scenario.digest[:16], **effort, **asked, "learnt": learnt}
+
+
+def _versions(name: str) -> dict[str, str]:
+    return {"antgym": antgym.__version__, "kernels": sources_hash(), **agents.versions(name)}
+
+
+if __name__ == "__main__":
+    main(lambda: sys.exit(run(parse(Arguments, None, PROG))))

@@ -1,0 +1,41 @@
+"""Transfer on unseen maps: a tiny measurement from artefacts to tables and pictures."""
+
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip("matplotlib")
+
+from antgym.errors import ParameterError
+from experiments import artefacts, transfer
+from experiments.transfer import COPY, DEFAULT, Arguments, Outcome
+
+
+def test_a_tiny_measurement_writes_its_tables_and_pictures(tmp_path):
+    names = ("transfer_graph", COPY, "neighbours", DEFAULT)
+    artefacts.make_artefacts(artefacts.Arguments(names, preset="smoke", out=tmp_path / "trained"))
+    asked = Arguments(
+        tmp_path / "trained", tmp_path / "out", maps=2, seeds=1, budgets=(0, 4), fresh=2, agents=names
+    )
+    path = transfer.report(asked)
+    text, numbers = path.read_text(), json.loads(path.with_suffix(".json").read_text())
+    assert "## 0 trials a target" in text
+    assert "## The graph: each source left out" in text
+    assert set(numbers) == {f"{name}/{budget}" for name in names for budget in (0, 4)}
+    assert np.shape(numbers["transfer_graph/4"]) == (2, 1)
+    for name in ("graph.png", "transfer.png"):
+        assert (tmp_path / "out" / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_worse_is_what_two_standard_errors_cannot_explain():
+    """Three maps, clearly worse, worse within the noise, better; by hand."""
+    ours = Outcome(np.array([[[0.5, 0.5]], [[0.2, 0.4]], [[0.1, 0.1]]]), 0.0)
+    theirs = Outcome(np.array([[[0.2, 0.2]], [[0.2, 0.3]], [[0.2, 0.2]]]), 0.0)
+    assert transfer.worse(ours, theirs) == 1
+    assert transfer.worse(ours, ours) == 0
+
+
+def test_the_references_of_negative_transfer_must_be_there():
+    with pytest.raises(ParameterError, match="must name copy_best_source and published_default"):
+        transfer.measure(Arguments(agents=("transfer_graph",)))
