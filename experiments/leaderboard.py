@@ -36,10 +36,18 @@ AGENTS = (
     "uniform_random",
     "published_default",
     "random_search",
+    "sobol",
     "ga",
     "pso",
+    "de",
+    "cma_es",
     "optuna_tpe",
+    "optuna_race",
     "transfer_graph",
+    "portfolio",
+    "neighbours",
+    "regression",
+    "cma_es_warm",
     "rl",
 )
 STATIC = "best_static"
