@@ -14,18 +14,19 @@ from pathlib import Path
 
 from PIL import Image
 
-WIDTH, HEIGHT, COLOURS = 1500, 560, 192
+WIDTH, HEIGHT, COLOURS = 1500, 640, 192
 STYLE = """
 body { max-width: none; padding: 1.2rem 1.6rem; } header { display: none; }
 main { display: grid; grid-template-columns: 1.15fr 1fr; gap: 2.5rem; align-items: start; }
 section { margin: 0; display: none; } section > p { display: none; }
 section:has(#picture), section:has(#intervals) { display: block; }
 section:has(#picture) { order: -1; }
-figure { grid-template-columns: minmax(0, 1fr) 12.5rem; gap: 0.6rem; } #scene { height: 27rem; }
+figure { grid-template-columns: minmax(0, 1fr) 12.5rem; gap: 0.6rem; } #scene { height: 32rem; }
 h2 { font-size: 0; } h2::after { font-size: 1.4rem; }
 #picture::after { content: "Paths on real terrain, and how much longer than the best"; }
 #intervals::after { content: "Mean gap to the exact optimum, 95 % intervals"; }
 .plot > div { grid-template-columns: 10rem minmax(0, 1fr) 9rem; }
+.plot svg { height: 1.72rem; }
 """
 
 
