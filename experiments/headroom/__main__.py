@@ -28,8 +28,8 @@ class Arguments:
     """Worlds (Mountain, Room, ...) or environment ids; all by default."""
     preset: Literal["smoke", "full"] = "full"
     """How much: smoke takes seconds and says nothing."""
-    out: Path = Path("antgym/envs/cards")
-    """Folder of the cards, one WORLD.json each."""
+    out: Path | None = None
+    """Folder of the cards, one WORLD.json each; by default antgym/envs/cards for full, out/cards for smoke."""
 
 
 def _world(name: str) -> str:
@@ -57,6 +57,7 @@ def to_table(cards: list[dict[str, Any]]) -> Table:
 def run(arguments: Arguments) -> list[dict[str, Any]]:
     """Measure the worlds that are asked for; each card is written when it is whole."""
     known, cards = WORLDS, []
+    folder = arguments.out or Path("out/cards" if arguments.preset == "smoke" else "antgym/envs/cards")
     for name in arguments.worlds:
         if _world(name) not in known:
             raise ParameterError(f"unknown world {name!r}; {nearest(_world(name), tuple(known))}")
@@ -65,7 +66,7 @@ def run(arguments: Arguments) -> list[dict[str, Any]]:
         with progress(world, runs_needed(known[world], PRESETS[arguments.preset])) as advance:
             card = measure(world, known[world], arguments.preset, advance)
         cards.append(card)
-        path = arguments.out / f"{world}.json"
+        path = folder / f"{world}.json"
         write_whole(path, (json.dumps(card, indent=1, ensure_ascii=False) + "\n").encode())
         print(f"{path} written after {time.perf_counter() - begun:.0f} s")
     Console(width=None if Console().is_terminal else 160).print(to_table(cards))

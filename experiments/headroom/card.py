@@ -1,12 +1,14 @@
 """The card of one world: the searches run, their winners scored, everything put into one JSON object."""
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from antgym.envs.control import LEAST_ITERATIONS
 from antgym.maps.suites import Suite, load_suite
 from antgym.planners.parameters import ColonyParameters
 from antgym.planners.rules import find_rules
@@ -14,9 +16,9 @@ from antgym.tuning.problem import GAP_CAP, TuningProblem
 from experiments.headroom import measures
 from experiments.headroom.measures import Floats
 from experiments.headroom.pool import DESIGN, SCORE, Advance, Pool, Stage, cost, design, run_gaps, search
-from experiments.headroom.schedules import LEAST, dynamic, schedule_runs
+from experiments.headroom.schedules import dynamic, schedule_runs
 
-FORMAT = "antgym card 1"
+FORMAT = "antgym card 2"  # a card that is measured in another way is another format
 NAMES = ColonyParameters._fields
 INSIDE, EDGE = (
     0.1,
@@ -30,6 +32,7 @@ class Preset(NamedTuple):
     """How much of everything one card takes."""
 
     train: int  # maps that SBS is raced on
+    train_by_rule: int  # maps of each rule, where there are several
     test: int  # maps that everything is scored on
     settings: int  # that a search begins with
     scored: int  # fresh runs of every row and map
@@ -41,16 +44,17 @@ class Preset(NamedTuple):
 
 PRESETS = {
     "smoke": Preset(
-        6, 4, 8, 4, (Stage(0, 1), Stage(3, 1, 2, 0.1)), (Stage(0, 1), Stage(3, 1, 2, 0.1)), (16, 2), 2
+        6, 2, 4, 8, 4, (Stage(0, 1), Stage(3, 1, 2, 0.1)), (Stage(0, 1), Stage(3, 1, 2, 0.1)), (16, 2), 2
     ),
     "full": Preset(
         train=100,
+        train_by_rule=30,
         test=100,
         settings=64,
         scored=24,
         race=(Stage(0, 1), Stage(16, 1, 8, 0.08), Stage(8, 3), Stage(6, 2, 4, 0.04), Stage(4, 6)),
         oracle=(Stage(0, 2), Stage(16, 3, 8, 0.08), Stage(8, 6, 6, 0.04), Stage(4, 16)),
-        design=(64, 2),
+        design=(128, 2),
         schedule_maps=40,
     ),
 }
@@ -67,15 +71,19 @@ class Measured:
     oracle: Floats  # (maps, 4)
 
 
-def problems(suite: Suite, count: int) -> list[TuningProblem]:
-    """Return the first problems of a split, each with a root seed of its own."""
-    items = [suite[i] for i in range(min(count, len(suite)))]
+def problems(suite: Suite, indices: Iterable[int]) -> list[TuningProblem]:
+    """Return problems of a split by index, as far as there are so many, each with a root seed of its own."""
     seeds = np.random.SeedSequence(int(hashlib.sha256(f"card {suite!r}".encode()).hexdigest(), 16))
-    roots = seeds.generate_state(len(items), np.uint64).tolist()
+    roots = seeds.generate_state(len(suite), np.uint64).tolist()
     return [
-        TuningProblem(item.scenario, item.rules, item.ants, item.iterations, root)
-        for item, root in zip(items, roots, strict=True)
+        TuningProblem(item.scenario, item.rules, item.ants, item.iterations, roots[i])
+        for i, item in ((i, suite[i]) for i in indices if i < len(suite))
     ]
+
+
+def _by_rule(suite: Suite, rules: Collection[str], count: int) -> dict[str, list[int]]:
+    """Return the indices of the first items of each rule."""
+    return {rule: [i for i, item in enumerate(suite) if item.rules == rule][:count] for rule in rules}
 
 
 def runs_needed(suite: str, preset: Preset) -> int:
@@ -83,25 +91,28 @@ def runs_needed(suite: str, preset: Preset) -> int:
     train, test = (load_suite(suite, split) for split in ("train", "test"))
     sources, maps = min(preset.train, len(train)), min(preset.test, len(test))
     rules = {test[i].rules for i in range(maps)}
-    races, winners = (2, len(rules) + 1) if len(rules) > 1 else (1, 1)
+    rows, winners, raced = len(_ROWS) - 1, 1, sources
+    if len(rules) > 1:
+        rows, winners = len(_ROWS), len(rules) + 1
+        raced += sum(map(len, _by_rule(train, rules, preset.train_by_rule).values()))
     settings, repeats = preset.design
-    each = cost(preset.settings + winners, preset.oracle) + len(_ROWS) * preset.scored + settings * repeats
+    each = cost(preset.settings + winners, preset.oracle) + rows * preset.scored + settings * repeats
     long_enough = [
-        min(preset.schedule_maps, sum(split[i].iterations >= LEAST for i in range(count)))
+        min(preset.schedule_maps, sum(split[i].iterations >= LEAST_ITERATIONS for i in range(count)))
         for split, count in ((train, sources), (test, maps))
     ]
-    raced = races * sources * cost(preset.settings, preset.race)
-    return raced + maps * each + schedule_runs(*long_enough)
+    return raced * cost(preset.settings, preset.race) + maps * each + schedule_runs(*long_enough)
 
 
 def find_settings(suite: str, preset: Preset, advance: Advance) -> Measured:
     """Search the best static setting, the best per rule, and the best per test scenario."""
-    train = problems(load_suite(suite, "train"), preset.train)
-    test = problems(load_suite(suite, "test"), preset.test)
+    train = problems(load_suite(suite, "train"), range(preset.train))
+    test = problems(load_suite(suite, "test"), range(preset.test))
     rules = sorted({p.rules for p in test})
-    groups = [[p for p in train if p.rules == rule] for rule in rules]
-    raced = [train, *groups] if len(rules) > 1 else [train]
-    units = design(preset.settings)
+    raced, units = [train], design(preset.settings)
+    if len(rules) > 1:
+        groups = _by_rule(load_suite(suite, "train"), rules, preset.train_by_rule)
+        raced += [problems(load_suite(suite, "train"), groups[rule]) for rule in rules]
     winners = search([Pool(group, units, seed=i) for i, group in enumerate(raced)], preset.race, advance)
     by_rule = dict(zip(rules, winners[1:] if len(rules) > 1 else winners, strict=True))
     candidates = np.vstack([units, winners])
@@ -120,8 +131,11 @@ def score(found: Measured, preset: Preset, advance: Advance) -> dict[str, Floats
         "SBS by rule": lambda i: np.tile(found.by_rule[found.test[i].rules], (preset.scored, 1)),
         "VBS": lambda i: np.tile(found.oracle[i], (preset.scored, 1)),
     }
-    gaps = {}
+    gaps: dict[str, Floats] = {}
     for row, (name, units) in enumerate(settings.items()):
+        if name == "SBS by rule" and len(found.by_rule) == 1:  # is SBS
+            gaps[name] = gaps["SBS"]
+            continue
         requests = [(found.test[i], units(i), SCORE, row * preset.scored) for i in range(count)]
         gaps[name] = np.array(run_gaps(requests, advance))
     return gaps
@@ -130,7 +144,7 @@ def score(found: Measured, preset: Preset, advance: Advance) -> dict[str, Floats
 def variance(found: Measured, preset: Preset, advance: Advance) -> tuple[Floats, Floats]:
     """Return (settings, 4) units and (maps, settings, repeats) gaps of a design over the test maps."""
     settings, repeats = preset.design
-    units = design(settings, seed=2)
+    units = np.random.default_rng(2).random((settings, len(NAMES)))
     requests = [(p, np.repeat(units, repeats, axis=0), DESIGN, 0) for p in found.test]
     gaps = np.array(run_gaps(requests, advance)).reshape(len(found.test), settings, repeats)
     return units, gaps
@@ -159,17 +173,18 @@ def at_bounds(
     return shares
 
 
-def fingerprint(suite: str) -> dict[str, str]:
-    """Return what a card depends on: hashes of the suite, of its rules, and of plans on it."""
+def fingerprint(suite: str, preset: str) -> dict[str, str]:
+    """Return what a card depends on: hashes of the suite, of its rules, of plans with each, and of the preset."""
     train, test = (load_suite(suite, split) for split in ("train", "test"))
     rules = sorted({item.rules for split in (train, test) for item in split})
     named = repr([(rule, find_rules(rule)) for rule in rules])
-    probes = problems(test, _PROBES)
+    probes = problems(test, chain(*_by_rule(test, rules, -(-_PROBES // len(rules))).values()))
     lengths = np.concatenate([p.run(design(3), DESIGN, 0).lengths for p in probes])
     return {
         "suite": _hash((train.digest + test.digest).encode()),
         "rules": _hash(named.encode()),
         "plans": _hash(lengths.tobytes()),
+        "preset": _hash(repr(PRESETS[preset]).encode()),
     }
 
 
@@ -180,7 +195,6 @@ def measure(world: str, suite: str, preset_name: str, advance: Advance) -> dict[
     gaps = score(found, preset, advance)
     means = {name: values.mean(axis=1) for name, values in gaps.items()}
     units, designed = variance(found, preset, advance)
-    arrives = means["SBS"] < GAP_CAP / 2
     flat = ~measures.better_by_two_errors(gaps["VBS"], gaps["SBS"])
     effects = measures.sensitivity(units, designed.mean(axis=2))
     return {
@@ -188,25 +202,32 @@ def measure(world: str, suite: str, preset_name: str, advance: Advance) -> dict[
         "world": world,
         "suite": suite,
         "preset": preset_name,
-        "fingerprint": fingerprint(suite),
+        "fingerprint": fingerprint(suite, preset_name),
         "maps": {"train": len(found.train), "test": len(found.test)},
         "gap": {name: _rounded(measures.mean_interval(mean)) for name, mean in means.items()},
         "solved": {name: _digits(float((values < GAP_CAP).mean())) for name, values in gaps.items()},
         "headroom": {
             "over SBS": _rounded(measures.headroom(means["SBS"], means["VBS"])),
             "over SBS by rule": _rounded(measures.headroom(means["SBS by rule"], means["VBS"])),
-            "where SBS arrives": _rounded(measures.headroom(means["SBS"][arrives], means["VBS"][arrives]))
-            if arrives.any()
-            else None,
+            "where SBS mostly arrives": _where_static_arrives(gaps),
         },
         "variance": {k: _digits(v) for k, v in measures.variance_shares(designed).items()},
-        "sensitivity": {name: _digits(float(e)) for name, e in zip(NAMES, effects, strict=True)},
+        "main effects": {name: _digits(float(e)) for name, e in zip(NAMES, effects, strict=True)},
         "flat": _digits(float(flat.mean())),
         "bounds": at_bounds(found, gaps["VBS"], preset, advance),
         "SBS": [_digits(float(u)) for u in found.static],
         "SBS by rule": {rule: [_digits(float(u)) for u in unit] for rule, unit in found.by_rule.items()},
         "dynamic": dynamic(found.train, found.test, found.static, preset.schedule_maps, advance),
     }
+
+
+def _where_static_arrives(gaps: dict[str, Floats]) -> list[float] | None:
+    """Return the headroom over SBS where its first runs mostly find a path, judged by its other runs."""
+    first, rest = np.hsplit(gaps["SBS"], [gaps["SBS"].shape[1] // 2])
+    there = (first < GAP_CAP).mean(axis=1) > 1 / 2
+    if not there.any():
+        return None
+    return _rounded(measures.headroom(rest[there].mean(axis=1), gaps["VBS"][there].mean(axis=1)))
 
 
 def _hash(data: bytes) -> str:

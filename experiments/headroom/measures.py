@@ -77,8 +77,11 @@ def sensitivity(units: Floats, gaps: Floats) -> Floats:
     term of a functional analysis of variance), cleared of what the finite bins add by chance, over the variance of
     all settings; both summed over maps.
 
+    Interactions are not in it: a parameter can matter beside others and have no main effect.
+
     Args:
-        units: (settings, d) in [0, 1], filling the cube evenly.
+        units: (settings, d) in [0, 1], drawn independently: a design that fills the cube evenly has less chance in its
+            bins than what is taken off for it.
         gaps: (maps, settings) mean gaps.
     """
     variance = gaps.var(axis=1, ddof=1).sum()

@@ -7,13 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from antgym.errors import ParameterError
+from antgym.planners.parameters import ColonyParameters
 from antgym.tuning.problem import Request, TuningProblem, run_together
 
 Floats = NDArray[np.float64]
+DIMENSION = len(ColonyParameters._fields)
 Advance = Callable[[int], None]
 SEARCH, SCORE, DESIGN = 2, 3, 4  # seed domains: none is an agent's or a board's
 _CHUNK = 4096  # planner runs per call: their histories lie in memory at once
-DIMENSION = 4
 
 
 class Stage(NamedTuple):
@@ -64,16 +66,19 @@ class Pool:
     """
 
     def __init__(self, problems: Sequence[TuningProblem], units: Floats, seed: int = 0) -> None:
+        if not problems:
+            raise ParameterError("a pool needs a problem to measure its settings on")
         self.problems = tuple(problems)
         self.units = units
         self.total, self.count = np.zeros(len(units)), np.zeros(len(units))
         self._runs = 0
         self._rng = np.random.default_rng(seed)
 
-    def best(self, count: int) -> NDArray[np.int64]:
-        """Return the indices of the settings with the lowest mean gap, of those that were measured."""
+    def best(self, count: int, among: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
+        """Return the indices of the settings with the lowest mean gap, of those that were measured, or of some."""
         mean = np.where(self.count > 0, self.total / np.maximum(self.count, 1), np.inf)
-        return np.argsort(mean, kind="stable")[:count].astype(np.int64)
+        order = np.argsort(mean, kind="stable").astype(np.int64)
+        return (order if among is None else order[np.isin(order, among)])[:count]
 
     def draw_near(self, around: int, spread: float) -> NDArray[np.int64]:
         """Add settings near the three best; return their indices."""
@@ -110,7 +115,8 @@ def search(pools: Sequence[Pool], stages: Sequence[Stage], advance: Advance) -> 
                 else:
                     chosen.append(pool.best(stage.keep) if number else np.arange(len(pool.units)))
             _measure(pools, chosen, stage.repeats, advance)
-    return np.array([pool.units[pool.best(1)[0]] for pool in pools])
+    # of the last round alone: what was dropped before it was run too few times to win
+    return np.array([p.units[p.best(1, among=last)[0]] for p, last in zip(pools, chosen, strict=True)])
 
 
 def cost(settings: int, stages: Sequence[Stage]) -> int:

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
 from antgym.planners.colony import Colony
 from antgym.planners.threads import run_ranges
 from antgym.tuning.problem import TuningProblem
@@ -12,7 +13,6 @@ from experiments.headroom.measures import headroom
 from experiments.headroom.pool import SCORE, Advance
 
 Floats = NDArray[np.float64]
-LEAST, BLOCKS = 40, 10  # iterations and blocks of the control regime
 FACTORS = (0.25, 0.5, 2.0, 4.0)
 SWITCHES = (2, 5, 8)  # blocks before the change
 RUNS = 8
@@ -49,9 +49,9 @@ def dynamic(
 ) -> dict[str, Any] | None:
     """Return what the best schedule of the family, chosen on train, saves on test over the static setting.
 
-    Only problems with at least LEAST iterations count, as in the control regime; None where there are too few.
+    Only problems that the control regime does not lengthen count; None where there are too few.
     """
-    chosen = [[p for p in split if p.iterations >= LEAST][:maps] for split in (train, test)]
+    chosen = [[p for p in split if p.iterations >= LEAST_ITERATIONS][:maps] for split in (train, test)]
     if min(map(len, chosen)) < 2:
         return None
     schedules = family()

@@ -45,6 +45,19 @@ def test_the_parameter_that_matters_is_found():
     assert effects[[0, 2, 3]].max() < 0.15
 
 
+@pytest.mark.parametrize("share", [0.05, 0.2])
+def test_a_small_effect_beside_a_large_one_is_measured(share):
+    """On a design that fills the cube evenly the large one would hide it."""
+    weights = np.sqrt([share, 1 - 3 * share, share, share])
+    found = []
+    for seed in range(40):
+        units = np.random.default_rng(seed).random((128, 4))
+        found.append(measures.sensitivity(units, ((units - 0.5) @ weights)[None].repeat(3, axis=0)))
+    mean = np.mean(found, axis=0)
+    assert mean[1] == pytest.approx(1 - 3 * share, rel=0.08)
+    assert mean[[0, 2, 3]] == pytest.approx([share] * 3, rel=0.3)
+
+
 def test_two_errors_tell_what_differs_from_what_does_not():
     rng = np.random.default_rng(3)
     runs = rng.normal(0, 0.1, (2, 32))
@@ -80,6 +93,27 @@ def test_the_search_finds_each_pools_own_best(monkeypatch):
     assert sum(spent) == 2 * cost(64, stages)
 
 
+def test_a_setting_that_was_dropped_does_not_win_by_its_few_runs():
+    """Of settings run once, eight times and eight times, the first has the lowest mean."""
+    few = Pool([Bowl((0.5,) * 4)], np.eye(4)[:3])
+    few.record(np.array([0]), 1, [np.array([0.0])])
+    few.record(np.array([1, 2]), 8, [np.repeat([0.2, 0.1], 8)])
+    assert few.best(1).tolist() == [0]
+    assert few.best(1, among=np.array([1, 2])).tolist() == [2]
+
+
+def test_a_pool_without_a_problem_is_refused():
+    with pytest.raises(ParameterError, match="needs a problem"):
+        Pool([], design(8))
+
+
+def test_rules_are_raced_on_maps_of_their_own():
+    train = load_suite("open-v0", "train")
+    found = card._by_rule(train, ["max_min", "wei2018"], 5)
+    assert {rule: len(indices) for rule, indices in found.items()} == {"max_min": 5, "wei2018": 5}
+    assert all(train[i].rules == rule for rule, indices in found.items() for i in indices)
+
+
 def test_a_pool_over_several_problems_minds_them_all(monkeypatch):
     monkeypatch.setattr(
         pool, "run_gaps", lambda requests, _: [p.gaps(u, first) for p, u, _, first in requests]
@@ -104,7 +138,7 @@ def test_schedules_begin_with_the_static_setting():
 
 def test_dynamic_headroom_needs_runs_long_enough_to_steer():
     suite = load_suite("mountain-v0", "validation")
-    short = [p for p in card.problems(suite, 12) if p.iterations < 40]
+    short = [p for p in card.problems(suite, range(12)) if p.iterations < 40]
     assert dynamic(short, short, np.full(4, 0.5), 5, lambda _: None) is None
 
 
@@ -124,8 +158,16 @@ def test_a_tiny_card_is_whole_and_the_same_again(tmp_path):
     made = json.loads(text)
     assert list(made["gap"]) == ["uniform random", "published default", "SBS", "SBS by rule", "VBS"]
     assert all(0 <= low <= mean <= high <= 1 for mean, low, high in made["gap"].values())
-    assert made["fingerprint"] == card.fingerprint("mountain-v0")
+    assert made["fingerprint"] == card.fingerprint("mountain-v0", "smoke")
     assert sum(made["variance"].values()) == pytest.approx(1, abs=1e-3)
+
+
+def test_a_smoke_card_never_takes_the_place_of_a_real_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    script.run(script.Arguments(("Mountain",), "smoke"))
+    assert [str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.json")] == [
+        "out/cards/Mountain.json"
+    ]
 
 
 def test_an_unknown_world_is_named():
