@@ -1,6 +1,7 @@
 """What ``antgym envs`` prints: a table of all environments, or a page on one."""
 
 import json
+from typing import Any
 
 import gymnasium
 from gymnasium.envs.registration import load_env_creator
@@ -8,7 +9,7 @@ from rich.markdown import Markdown
 from rich.table import Table
 
 from antgym.envs.cards import load_card, summary
-from antgym.envs.catalogue import CATALOGUE
+from antgym.envs.catalogue import CATALOGUE, Entry
 from antgym.envs.manual import arguments, ranges_table, section, world_facts
 from antgym.errors import ParameterError, nearest
 
@@ -21,7 +22,7 @@ def table() -> Table:
     for entry in CATALOGUE:
         env = gymnasium.make(entry.id)
         sizes = (str(space.shape) for space in (env.action_space, env.observation_space))
-        listed.add_row(entry.id, *sizes, summary(load_card(entry.world)))
+        listed.add_row(entry.id, *sizes, _summary(entry, load_card(entry.world)))
         env.close()
     return listed
 
@@ -47,11 +48,16 @@ def page(env_id: str) -> Markdown:
         ranges_table(facts["rules"].split(", ")),
         "κ = Q / (straight line from start to goal · initial pheromone)",
         "## Card",
-        summary(card),
+        _summary(entry, card),
         f"```json\n{json.dumps(card, indent=2, ensure_ascii=False)}\n```" if card else "",
         f"Entry points: `{entry.entry_point}`, vector `{entry.vector_entry_point}`.",
     ]
     return Markdown("\n".join(_spaced([part for part in parts if part])))
+
+
+def _summary(entry: Entry, card: dict[str, Any] | None) -> str:
+    """Return the line on a card that says what there is to win in a regime."""
+    return summary(card, steered=entry.regime == "Control")
 
 
 def _spaced(parts: list[str]) -> list[str]:

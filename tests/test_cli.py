@@ -66,7 +66,7 @@ def test_envs_lists_every_id_with_its_sizes_and_card():
     assert done.returncode == 0, done.stderr
     for entry in CATALOGUE:
         assert entry.id in done.stdout
-        assert summary(load_card(entry.world)) in done.stdout
+        assert summary(load_card(entry.world), steered=entry.regime == "Control") in done.stdout
     assert "(4,)" in done.stdout
 
 
@@ -79,7 +79,7 @@ def test_envs_prints_the_page_of_one(entry, capsys):
         entry.entry_point,
         entry.vector_entry_point,
         entry.kwargs["suite"],
-        summary(load_card(entry.world)),
+        summary(load_card(entry.world), steered=entry.regime == "Control"),
     ):
         assert word in said
     assert ("budget: 10" in said) == entry.id.endswith("Trials-v0")

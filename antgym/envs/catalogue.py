@@ -13,6 +13,7 @@ class Entry(NamedTuple):
     vector_entry_point: str
     kwargs: dict[str, Any]
     world: str
+    regime: str
 
 
 WORLDS = {
@@ -32,7 +33,7 @@ REGIMES = {
 """Every regime and its entry points: one environment, and the native batch."""
 
 CATALOGUE = tuple(
-    Entry(f"antgym/{world}{regime}-v0", *entry_points, {"suite": suite}, world)
+    Entry(f"antgym/{world}{regime}-v0", *entry_points, {"suite": suite}, world, regime)
     for world, suite in WORLDS.items()
     for regime, entry_points in REGIMES.items()
 )

@@ -78,7 +78,8 @@ class ControlEnv(TuningEnv):
 
     ## Vectorized
     `gymnasium.make_vec` walks the blocks of all slots in one threaded call. Each slot keeps the memory that the
-    largest of its runs has touched, and uses it again: about 1 kB per visited cell, some MB.
+    largest of its runs has touched, and uses it again: about 1 kB per visited cell, some MB. `autoreset_mode` is
+    `"NextStep"` by default, as in Trials.
 
     ## Version History
     * v0: first release (not frozen yet)

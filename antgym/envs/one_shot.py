@@ -46,7 +46,8 @@ class OneShotEnv(TuningEnv):
     With `observation="map"` a `Dict`: `features` is this vector, `map` a `Box(0, 1, float32)` of the down-sampled
     world, stretched to (3, 16, 16, 16), in suites that are flat throughout to (3, 32, 32): the blocked share of every
     block, then marks of start and goal. `"map3d"` and `"map2d"` ask for one of these shapes; a flat world in 3D is
-    its level at every height, a voxel world in 2D is seen from above.
+    its level at every height, a voxel world in 2D is seen from above. `antgym.envs.sb3.MapExtractor` reads the map by
+    convolutions; the `MultiInputPolicy` of stable-baselines3 alone flattens it.
 
     ## Rewards
     - `"gap"` (default): −min(gap, 1) in [−1, 0], gap = (L − L*) / L*; a run without a path pays −1.
@@ -83,6 +84,13 @@ class OneShotEnv(TuningEnv):
 
     `antgym.SuiteItem(name, scenario, ants=20, iterations=50, rules="liu2020")` is one scenario of your own. All other
     arguments are JSON; an environment of your own scenarios has a spec that cannot be written as JSON.
+
+    ## Vectorized
+    `gymnasium.make_vec(id, num_envs=n)` makes the planner runs of all slots in one threaded call; slot i repeats, to
+    the bit, this environment reset with `antgym.env_seeds(seed, n)[i]`. `autoreset_mode` is `"SameStep"` by default: a
+    step shows the next episode, and `infos["final_obs"]` and `infos["final_info"]` hold the one that ended. With
+    `"NextStep"`, for which Gymnasium's vector wrappers are written, every other step pays 0 and only begins anew; with
+    `"Disabled"` slots that are over wait for `reset(options={{"reset_mask": mask}})`.
 
     ## Version History
     * v0: first release (not frozen yet)

@@ -1,6 +1,6 @@
-"""The native batch as a stable-baselines3 VecEnv; the only module of antgym that imports that library."""
+"""stable-baselines3: the native batch as its VecEnv, and convolutions over maps; no other module has torch."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -9,10 +9,13 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from antgym.envs.base import Observation
-from antgym.envs.vector import NativeVectorEnv
-from antgym.errors import MissingExtraError
+from antgym.envs.catalogue import CATALOGUE
+from antgym.envs.vector import NativeVectorEnv, env_seeds
+from antgym.errors import MissingExtraError, ParameterError, nearest
 
 try:
+    import torch
+    from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError:
     raise MissingExtraError("stable-baselines3", "rl") from None
@@ -28,13 +31,34 @@ class NativeVecEnv(VecEnv):
         self._root = seed
         self._actions: NDArray[np.float32] = np.zeros(0, np.float32)
 
+    def set_options(self, options: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None) -> None:
+        """Keep options for the next reset alone: one dict for all slots, or one a slot, as ``{"scenario": 3}``.
+
+        Raises:
+            ParameterError: where there is not one dict for every slot.
+        """
+        each = [options or {}] * self.num_envs if isinstance(options, Mapping | None) else list(options)
+        if len(each) != self.num_envs or not all(isinstance(one, Mapping) for one in each):
+            raise ParameterError(
+                f"options = {options!r}: needs one dict, or a list of {self.num_envs}, one for every slot"
+            )
+        if any("reset_mask" in one for one in each):
+            raise ParameterError("reset_mask: a VecEnv is reset as a whole; leave it out")
+        self._options = [dict(one) for one in each]
+
     def reset(self) -> Observation:
-        """Begin an episode in every slot and return the observations."""
-        seed = self._seeds[0] if self._seeds[0] is not None else self._root
-        observations, infos = self.native.reset(seed=None if seed is None else int(seed))
-        self._root = None
-        self.reset_infos = _split(infos, self.num_envs)
+        """Begin an episode in every slot and return the observations; seeds and options hold for this reset alone."""
+        root = self._seeds[0] if self._seeds[0] is not None else self._root
+        seeds = [None] * self.num_envs if root is None else env_seeds(int(root), self.num_envs)
+        options, self._root = self._options, None
         self._reset_seeds()
+        self._reset_options()
+        for asked in [one for i, one in enumerate(options) if one not in options[:i]]:
+            mask = np.array([one == asked for one in options])
+            observations, batch = self.native.reset(seed=seeds, options={**asked, "reset_mask": mask})
+            infos = _split(batch, self.num_envs)
+            for i in np.flatnonzero(mask):
+                self.reset_infos[i] = infos[i]
         return observations
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
@@ -99,16 +123,56 @@ def make_sb3_vec(env_id: str, n: int, seed: int | None = None, **kwargs: Any) ->
         n: number of slots.
         seed: root seed of the first reset; slot seeds come from ``env_seeds``.
         kwargs: the environment's own arguments.
+
+    Raises:
+        ParameterError: on an id that is none of antgym's, and on arguments that it does not take.
     """
-    native = gymnasium.make_vec(
-        env_id,
-        num_envs=n,
-        vectorization_mode="vector_entry_point",
-        autoreset_mode=AutoresetMode.SAME_STEP.value,
-        **kwargs,
-    )
-    assert isinstance(native, NativeVectorEnv)
+    try:
+        native = gymnasium.make_vec(
+            env_id,
+            num_envs=n,
+            vectorization_mode="vector_entry_point",
+            autoreset_mode=AutoresetMode.SAME_STEP.value,
+            **kwargs,
+        )
+    except (TypeError, gymnasium.error.Error) as error:
+        raise ParameterError(
+            f"make_sb3_vec({env_id!r}, {_listed(n, kwargs)}): {error}{_hint(env_id)}"
+        ) from error
+    if not isinstance(native, NativeVectorEnv):
+        raise ParameterError(f"{env_id!r} makes no batch of antgym{_hint(env_id)}")
     return NativeVecEnv(native, seed)
+
+
+class MapExtractor(BaseFeaturesExtractor):
+    """Convolutions over the map, beside the features; ``MultiInputPolicy`` alone would flatten a map of floats.
+
+    Use it by ``policy_kwargs={"features_extractor_class": MapExtractor}``.
+
+    Args:
+        observation_space: of an environment with ``observation="map"``, ``"map2d"`` or ``"map3d"``.
+        width: numbers that the map is turned into; the features follow them.
+    """
+
+    def __init__(self, observation_space: gymnasium.spaces.Dict, width: int = 64) -> None:
+        spaces = getattr(observation_space, "spaces", {})
+        if set(spaces) != {"features", "map"}:
+            raise ParameterError(
+                'MapExtractor: no map is observed; make the environment with observation="map"'
+            )
+        super().__init__(observation_space, width + spaces["features"].shape[0])
+        channels, *sides = spaces["map"].shape
+        convolution = torch.nn.Conv2d if len(sides) == 2 else torch.nn.Conv3d
+        layers: list[torch.nn.Module] = []
+        for filters in (8, 16, 32):  # each halves the sides
+            layers += [convolution(channels, filters, 3, stride=2, padding=1), torch.nn.ReLU()]
+            channels, sides = filters, [(side + 1) // 2 for side in sides]
+        whole = torch.nn.Linear(channels * int(np.prod(sides)), width)
+        self.picture = torch.nn.Sequential(*layers, torch.nn.Flatten(), whole, torch.nn.ReLU())
+
+    def forward(self, observations: dict[str, torch.Tensor]) -> torch.Tensor:
+        """Return (n, width + features) numbers of n observations."""
+        return torch.cat([self.picture(observations["map"]), observations["features"]], dim=1)
 
 
 def _split(batch: dict[str, Any], count: int) -> list[dict[str, Any]]:
@@ -121,3 +185,13 @@ def _split(batch: dict[str, Any], count: int) -> list[dict[str, Any]]:
         for i in range(count):
             out[i][key] = each[i]
     return out
+
+
+def _listed(n: int, kwargs: dict[str, Any]) -> str:
+    return ", ".join([f"n={n}", *(f"{name}=..." for name in kwargs)])
+
+
+def _hint(env_id: str) -> str:
+    """Return the clause that names antgym's ids where this is none of them."""
+    known = tuple(entry.id for entry in CATALOGUE)
+    return "" if env_id in known else f"; {nearest(env_id, known)}"

@@ -1,9 +1,12 @@
 """Where an environment's scenarios come from: a split of a suite, or scenarios of one's own."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
 
 from antgym.errors import ParameterError
 from antgym.maps.suites import Suite, SuiteItem, load_suite
+from antgym.maps.world import Scenario
 from antgym.tuning.problem import TuningProblem
 
 
@@ -25,7 +28,7 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
     """Return the items that episodes are drawn from.
 
     Args:
-        suite: name of a suite; or a sequence of items, which may be a ``Suite``.
+        suite: name of a suite; or a sequence of items, which may be a ``Suite``. Scenarios take their items' names.
         split: of a named suite.
 
     Raises:
@@ -50,4 +53,14 @@ def _checked(items: Sequence[SuiteItem]) -> OwnSuite:
                 f"suite[{i}] = {item!r}: needs a SuiteItem(name, scenario, ants, iterations, rules)"
             )
         _ = TuningProblem(item.scenario, item.rules, item.ants, item.iterations).scenario.optimum
-    return OwnSuite(items)
+    return OwnSuite(item._replace(scenario=_named(item.scenario, str(item.name))) for item in items)
+
+
+@lru_cache(maxsize=4096)
+def _named(scenario: Scenario, name: str) -> Scenario:
+    """Return a scenario under an item's name: one object for every slot of a batch, with what is cached on it."""
+    if scenario.name == name:
+        return scenario
+    renamed = replace(scenario, name=name)
+    renamed.__dict__.update({**scenario.__dict__, "name": name})
+    return renamed

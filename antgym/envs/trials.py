@@ -69,6 +69,11 @@ class TrialsEnv(TuningEnv):
     env = gymnasium.make("antgym/MountainTrials-v0", budget=20)
     ```
 
+    ## Vectorized
+    `gymnasium.make_vec(id, num_envs=n)` makes the trials of all slots in one threaded call and judges them in another.
+    `autoreset_mode` is `"NextStep"` by default: the step after an episode's end pays 0 and begins the next one.
+    `"SameStep"` and `"Disabled"` as in OneShot.
+
     ## Version History
     * v0: first release (not frozen yet)
 

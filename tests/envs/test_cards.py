@@ -24,6 +24,17 @@ def test_the_line_of_a_card_tells_gaps_and_headroom():
     assert cards.summary(CARD) == "gap: default 63%, SBS 28%; headroom 41% [33%, 50%]"
 
 
+def test_where_a_run_is_steered_the_line_tells_what_schedules_add():
+    card = {**CARD, "dynamic": {"headroom": [0.1522, 0.0836, 0.2256]}}
+    assert cards.summary(card, steered=True) == "gap: default 63%, SBS 28%; schedules add 15% [8%, 23%]"
+    assert cards.summary(card) == cards.summary(CARD)
+
+
+@pytest.mark.parametrize("without", [CARD, {**CARD, "dynamic": None}])
+def test_a_card_without_schedules_says_so(without):
+    assert cards.summary(without, steered=True) == "gap: default 63%, SBS 28%; schedules not measured"
+
+
 def test_a_card_is_what_its_file_says(tmp_path, monkeypatch):
     (tmp_path / "Moon.json").write_text(json.dumps(CARD), encoding="utf-8")
     monkeypatch.setattr(cards, "files", lambda _: tmp_path)

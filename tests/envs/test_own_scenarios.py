@@ -78,6 +78,25 @@ def test_an_item_needs_no_more_than_a_name_and_a_scenario(valley):
     assert (info["rules"], info["ants"], info["iterations"]) == ("liu2020", 20, 50)
 
 
+def test_infos_show_the_name_of_the_item_whatever_its_scenario_is_called():
+    given = [item._replace(name=f"mine-{i}") for i, item in enumerate(items())]
+    env = make(suite=given)
+    assert [env.reset(options={"scenario": i})[1]["scenario"] for i in range(2)] == ["mine-0", "mine-1"]
+    assert [item.scenario.name for item in given] == ["open", "cup"], "what was passed keeps its own"
+    unnamed = make().reset(seed=0)
+    assert make(suite=given).reset(seed=0)[0].tolist() == unnamed[0].tolist()
+
+
+def test_a_scenario_under_another_name_is_not_worked_out_again(monkeypatch):
+    given = [item._replace(name="mine") for item in items()]
+    known = [item.scenario.optimum for item in given]
+    monkeypatch.setattr("antgym.maps.optimum.shortest_length", lambda _: pytest.fail("worked out again"))
+    envs = gymnasium.make_vec("antgym/MountainOneShot-v0", num_envs=3, suite=given)
+    envs.reset(seed=0)
+    infos = envs.step(np.zeros((3, 4), np.float32))[-1]["final_info"]
+    assert set(infos["optimum"]) <= set(known)
+
+
 def test_a_list_that_is_changed_afterwards_changes_no_environment():
     given = items()
     env = make(suite=given)

@@ -4,10 +4,14 @@ import gymnasium
 import numpy as np
 import pytest
 
-pytest.importorskip("stable_baselines3")
+pytest.importorskip("stable_baselines3", reason="needs the extra rl")
 
-from antgym.envs.sb3 import make_sb3_vec
+import torch
+from stable_baselines3 import PPO
+
+from antgym.envs.sb3 import MapExtractor, make_sb3_vec
 from antgym.envs.vector import env_seeds
+from antgym.errors import ParameterError
 
 ID, N = "antgym/MountainOneShot-v0", 3
 EFFORT = {"effort": [3, 5]}
@@ -84,3 +88,109 @@ def test_a_map_comes_beside_the_features_and_so_does_the_last_one():
         assert (begun[name] == first[name]).all()
         assert (observations[name] == theirs[name]).all()
         assert (infos[1]["terminal_observation"][name] == begun[name][1]).all()
+
+
+def scenarios(infos):
+    return [int(info["scenario"].rpartition("/")[2]) for info in infos]
+
+
+def test_options_pick_the_scenarios_of_the_next_reset_alone(envs):
+    envs.set_options({"scenario": 7})
+    envs.reset()
+    assert scenarios(envs.reset_infos) == [7] * N
+    drawn = make_sb3_vec(ID, N, seed=4, **EFFORT)
+    assert [envs.reset().tolist() for _ in range(2)][1] == [drawn.reset().tolist() for _ in range(3)][2]
+    assert scenarios(envs.reset_infos) == scenarios(drawn.reset_infos)
+
+
+def test_options_may_differ_from_slot_to_slot_and_leave_seeds_as_they_are(envs):
+    envs.set_options([{"scenario": 7}, {}, {"scenario": 9}])
+    observations = envs.reset()
+    drawn = make_sb3_vec(ID, N, seed=4, **EFFORT)
+    untouched = drawn.reset()
+    assert scenarios(envs.reset_infos) == [7, scenarios(drawn.reset_infos)[1], 9]
+    assert observations[1].tolist() == untouched[1].tolist()
+    assert [info["seed"] for info in envs.reset_infos] == [info["seed"] for info in drawn.reset_infos]
+    alone = gymnasium.make(ID, **EFFORT)
+    assert observations[2].tolist() == alone.reset(options={"scenario": 9})[0].tolist()
+
+
+def test_options_can_be_taken_back(envs):
+    first = envs.reset().tolist()
+    envs.seed(4)
+    envs.set_options({"scenario": 7})
+    envs.set_options(None)
+    assert envs.reset().tolist() == first
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ([{"scenario": 1}], "needs one dict, or a list of 3, one for every slot"),
+        (["scenario"] * N, "needs one dict, or a list of 3"),
+        ({"reset_mask": [True] * N}, "reset_mask: a VecEnv is reset as a whole"),
+        ({"scnario": 1}, "unknown reset option 'scnario'"),
+        ({"scenario": 10_000}, "scenario 10000: this split holds 0 to 199"),
+    ],
+)
+def test_options_that_cannot_be_honoured_are_refused_and_forgotten(envs, options, message):
+    def refused():
+        envs.set_options(options)
+        envs.reset()
+
+    with pytest.raises(ParameterError, match=message):
+        refused()
+    envs.reset()
+
+
+@pytest.mark.parametrize(
+    ("env_id", "kwargs", "message"),
+    [
+        ("CartPole-v1", {}, "'CartPole-v1'.* did you mean 'antgym/"),
+        ("antgym/MountainOneShott-v0", {}, "did you mean 'antgym/MountainOneShot-v0'"),
+        (ID, {"effortt": [3, 5]}, "unknown environment argument 'effortt'; did you mean 'effort'"),
+        (
+            ID,
+            {"num_envs": 3},
+            r"make_sb3_vec\('antgym/MountainOneShot-v0', n=3, num_envs=\.\.\.\): .*'num_envs'",
+        ),
+        (ID, {"autoreset_mode": "NextStep"}, "multiple values for keyword argument 'autoreset_mode'"),
+        (
+            "antgym/MountainTrials-v0",
+            {"bugdet": 3},
+            "unknown environment argument 'bugdet'; did you mean 'budget'",
+        ),
+    ],
+)
+def test_what_cannot_be_made_is_refused_with_a_hint(env_id, kwargs, message):
+    with pytest.raises(ParameterError, match=message):
+        make_sb3_vec(env_id, N, **kwargs)
+
+
+@pytest.mark.parametrize(("kind", "layer"), [("map2d", torch.nn.Conv2d), ("map3d", torch.nn.Conv3d)])
+def test_ppo_learns_through_convolutions_over_the_map(kind, layer):
+    torch.set_num_threads(1)
+    envs = make_sb3_vec(ID, N, seed=4, observation=kind, **EFFORT)
+    model = PPO(
+        "MultiInputPolicy",
+        envs,
+        n_steps=4,
+        batch_size=6,
+        seed=0,
+        device="cpu",
+        policy_kwargs={"features_extractor_class": MapExtractor, "features_extractor_kwargs": {"width": 5}},
+    )
+    extractor = model.policy.features_extractor
+    (first, *_) = [each for each in extractor.modules() if isinstance(each, layer)]
+    before = first.weight.clone()
+    model.learn(24)
+    assert (first.weight != before).any()
+    seen = {name: torch.as_tensor(part) for name, part in envs.reset().items()}
+    out = extractor(seen)
+    assert out.shape == (N, extractor.features_dim) == (N, 5 + seen["features"].shape[1])
+    assert (out[:, 5:] == seen["features"]).all()
+
+
+def test_convolutions_want_a_map(envs):
+    with pytest.raises(ParameterError, match="no map is observed"):
+        MapExtractor(envs.observation_space)
