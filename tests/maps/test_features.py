@@ -221,17 +221,18 @@ def test_narrow_passages_are_squeezed_and_tight():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("shape", "motion", "most"), [((61,) * 3, "grid26", 20), ((64, 64, 1), "grid8", 20)])
-def test_describing_a_scenario_takes_milliseconds(shape, motion, most):
+@pytest.mark.parametrize(("shape", "motion"), [((61,) * 3, "grid26"), ((64, 64, 1), "grid8")])
+def test_describing_a_scenario_takes_milliseconds(shape, motion):
+    """CPU time: 15 ms where nobody else computes, three times as much on a crowded machine."""
     free = np.random.default_rng(0).random(shape) > 0.25
     ends = (0, 0, 0), tuple(n - 1 for n in shape)
     free[ends[0]] = free[ends[1]] = True
     scenario, seconds = Scenario(GridWorld(free), *ends, Motion(motion)), []
     for _ in range(5):
-        begun = time.perf_counter()
+        begun = time.process_time()
         describe(scenario)
-        seconds.append(time.perf_counter() - begun)
-    assert min(seconds) < most / 1000
+        seconds.append(time.process_time() - begun)
+    assert min(seconds) < 0.06
 
 
 def test_the_table_shows_every_feature_once():
