@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from antgym.envs.base import Observation
+from antgym.envs.episodes import Observation
 from antgym.envs.vector import NativeVectorEnv
 from antgym.errors import MissingExtraError
 

@@ -28,15 +28,46 @@ def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDA
     if window == 0:
         return task.features.copy()
     d = len(task.space)
-    history = np.zeros((window, d + 2))
-    for row, trial in zip(history, reversed(trials[-window:]), strict=False):
-        row[:] = (*trial.unit, shown_cost(trial.cost), 1.0)
-    best = np.zeros(d + 1)
+    units, paid, best = np.zeros((1, window, d)), np.zeros((1, window)), ((0.0,) * d, 0.0)
+    for i, trial in enumerate(reversed(trials[-window:])):
+        units[0, i], paid[0, i] = trial.unit, trial.cost
     if trials:
-        unit, cost = incumbent(trials)
-        best[:] = (*unit, shown_cost(cost))
-    left = (task.budget - len(trials)) / task.budget
-    return np.concatenate([task.features, [left], best, history.ravel()]).astype(np.float32)
+        best = incumbent(trials)
+    left = np.array([(task.budget - len(trials)) / task.budget])
+    return observe_together(task.features[None], left, np.array([best[0]]), np.array([best[1]]), units, paid)[
+        0
+    ]
+
+
+def observe_together(
+    features: NDArray[np.float32],
+    left: NDArray[np.float64],
+    best_units: NDArray[np.float64],
+    best_costs: NDArray[np.float64],
+    units: NDArray[np.float64],
+    costs: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Return what :func:`observe` shows of n tasks in one array, (n, m).
+
+    Args:
+        features: (n, len(TASK_FEATURES)), of the tasks.
+        left: (n,) shares of their budgets.
+        best_units: (n, d), the incumbents' settings; 0 before the first trial, as all that follows.
+        best_costs: (n,), their mean costs.
+        units: (n, window, d), settings of the last trials, latest first.
+        costs: (n, window), and what they cost.
+    """
+    count, (_, window, d) = len(features), units.shape
+    history = np.empty((count, window, d + 2))
+    history[:, :, :d], history[:, :, d], history[:, :, d + 1] = units, _shown_costs(costs), costs > 0
+    parts = (
+        features,
+        left[:, None],
+        best_units,
+        _shown_costs(best_costs)[:, None],
+        history.reshape(count, -1),
+    )
+    return np.concatenate(parts, axis=1, dtype=np.float32, casting="same_kind")
 
 
 def observe_with_map(
@@ -58,3 +89,8 @@ def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDA
 def shown_cost(cost: float) -> float:
     """Return log(cost) / log(COST_CAP) within [0, 1], as costs are shown."""
     return float(min(max(np.log(cost) / _LOG_CAP, 0.0), 1.0))
+
+
+def _shown_costs(costs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return :func:`shown_cost` of every cost, 0 where there is none."""
+    return np.minimum(np.maximum(np.log(np.where(costs > 0, costs, 1.0)) / _LOG_CAP, 0.0), 1.0)

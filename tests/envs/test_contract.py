@@ -162,7 +162,7 @@ def test_the_map_is_that_of_the_scenario(entry):
     for picked in (3, 4):
         seen, _ = env.reset(seed=0, options={"scenario": picked})
         scenario = load_suite(entry.kwargs["suite"], "test")[picked].scenario
-        assert (seen["map"] == occupancy(scenario, env.unwrapped._problems.flat)).all()
+        assert (seen["map"] == occupancy(scenario, env.unwrapped._terms.problems.flat)).all()
 
 
 @pytest.mark.parametrize("kind", ["map2d", "map3d"])
