@@ -205,7 +205,6 @@ class PaidEpisodes(Episodes):
         features, sessions = self.terms.problems.features(self._drawn[rows]), self._sessions
         if not self.terms.window:
             return features
-        latest, best = sessions.latest(rows, self.terms.window), sessions.best[rows]
-        best[sessions.made[rows] == 0] = np.zeros((), best.dtype)
+        history = sessions.history(rows, self.terms.window)
         left = (sessions.total - sessions.made[rows]) / sessions.total
-        return observe_together(features, left, best["unit"], best["cost"], latest["unit"], latest["cost"])
+        return observe_together(features, left, history["unit"], history["cost"])

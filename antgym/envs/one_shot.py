@@ -15,13 +15,13 @@ class OneShotEpisodes(PaidEpisodes):
 
     def spend(self, rows: Rows, units: NDArray[np.float64]) -> Verdicts:
         """Run the settings; and the published default, where the reward compares with it."""
-        runs, plans = self._sessions.evaluate(rows, units)
+        ran = self._sessions.evaluate(rows, units)
         self.planner_runs[rows] += 1
         if self.terms.reward != "improvement":
-            return Verdicts(runs.naturals, plans.lengths)
-        _, fresh = self._sessions.run(rows, np.full_like(units, 0.5), FRESH, np.zeros_like(rows))
+            return Verdicts(ran.naturals, ran.lengths)
+        fresh = self._sessions.run(rows, np.full_like(units, 0.5), FRESH, np.zeros_like(rows))
         self.planner_runs[rows] += 1
-        return Verdicts(runs.naturals, plans.lengths, fresh.lengths)
+        return Verdicts(ran.naturals, ran.lengths, fresh.lengths)
 
 
 @documented

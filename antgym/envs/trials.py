@@ -21,18 +21,18 @@ class TrialsEpisodes(PaidEpisodes):
     def spend(self, rows: Rows, units: NDArray[np.float64]) -> Verdicts:
         """Run the settings, then the incumbents; and the default, where the reward compares with it."""
         sessions, count = self._sessions, len(rows)
-        sessions.evaluate(rows, units)
+        ran = sessions.evaluate(rows, units)
         self.planner_runs[rows] += 1
         wanted, first = sessions.best["unit"][rows], 2 * (sessions.made[rows] - 1)
-        cost = {"cost": sessions.latest(rows, 1)["cost"][:, 0]}
+        cost = {"cost": ran.costs}
         if self.terms.reward != "improvement":
-            runs, fresh = sessions.run(rows, wanted, FRESH, first)
+            fresh = sessions.run(rows, wanted, FRESH, first)
             self.planner_runs[rows] += 1
-            return Verdicts(runs.naturals, fresh.lengths, None, cost)
+            return Verdicts(fresh.naturals, fresh.lengths, None, cost)
         twice, wanted = np.tile(rows, 2), np.concatenate([wanted, np.full_like(wanted, 0.5)])
-        runs, fresh = sessions.run(twice, wanted, FRESH, np.concatenate([first, first + 1]))
+        fresh = sessions.run(twice, wanted, FRESH, np.concatenate([first, first + 1]))
         self.planner_runs[rows] += 2
-        return Verdicts(runs.naturals[:count], fresh.lengths[:count], fresh.lengths[count:], cost)
+        return Verdicts(fresh.naturals[:count], fresh.lengths[:count], fresh.lengths[count:], cost)
 
     def pay_out(self, rows: Rows, worth: NDArray[np.float64]) -> NDArray[np.float64]:  # noqa: ARG002
         """Each step pays its share of the episode."""

@@ -28,22 +28,18 @@ def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDA
     if window == 0:
         return task.features.copy()
     d = len(task.space)
-    units, paid, best = np.zeros((1, window, d)), np.zeros((1, window)), ((0.0,) * d, 0.0)
-    for i, trial in enumerate(reversed(trials[-window:])):
-        units[0, i], paid[0, i] = trial.unit, trial.cost
+    units, costs = np.zeros((1, 1 + window, d)), np.zeros((1, 1 + window))
     if trials:
-        best = incumbent(trials)
+        units[0, 0], costs[0, 0] = incumbent(trials)
+    for i, trial in enumerate(reversed(trials[-window:]), start=1):
+        units[0, i], costs[0, i] = trial.unit, trial.cost
     left = np.array([(task.budget - len(trials)) / task.budget])
-    return observe_together(task.features[None], left, np.array([best[0]]), np.array([best[1]]), units, paid)[
-        0
-    ]
+    return observe_together(task.features[None], left, units, costs)[0]
 
 
 def observe_together(
     features: NDArray[np.float32],
     left: NDArray[np.float64],
-    best_units: NDArray[np.float64],
-    best_costs: NDArray[np.float64],
     units: NDArray[np.float64],
     costs: NDArray[np.float64],
 ) -> NDArray[np.float32]:
@@ -51,22 +47,21 @@ def observe_together(
 
     Args:
         features: (n, len(TASK_FEATURES)), of the tasks.
-        left: (n,) shares of their budgets.
-        best_units: (n, d), the incumbents' settings; 0 before the first trial, as all that follows.
-        best_costs: (n,), their mean costs.
-        units: (n, window, d), settings of the last trials, latest first.
-        costs: (n, window), and what they cost.
+        left: (n,), shares of their budgets.
+        units: (n, 1 + window, d), settings: the incumbent's, then those of the last trials, latest first; 0 where
+            there is none yet.
+        costs: (n, 1 + window), and what they cost, 0 where there is none.
     """
-    count, (_, window, d) = len(features), units.shape
-    history = np.empty((count, window, d + 2))
-    history[:, :, :d], history[:, :, d], history[:, :, d + 1] = units, _shown_costs(costs), costs > 0
-    parts = (
-        features,
-        left[:, None],
-        best_units,
-        _shown_costs(best_costs)[:, None],
-        history.reshape(count, -1),
+    count, rows, d = units.shape
+    shown = np.empty((count, rows, d + 2))
+    logs = np.log(np.where(costs > 0, costs, 1.0)) / _LOG_CAP  # as in shown_cost
+    shown[..., :d], shown[..., d], shown[..., d + 1] = (
+        units,
+        np.minimum(np.maximum(logs, 0.0), 1.0),
+        costs > 0,
     )
+    flat = shown.reshape(count, -1)
+    parts = features, left[:, None], flat[:, : d + 1], flat[:, d + 2 :]  # no 1 beside the incumbent
     return np.concatenate(parts, axis=1, dtype=np.float32, casting="same_kind")
 
 
@@ -89,8 +84,3 @@ def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDA
 def shown_cost(cost: float) -> float:
     """Return log(cost) / log(COST_CAP) within [0, 1], as costs are shown."""
     return float(min(max(np.log(cost) / _LOG_CAP, 0.0), 1.0))
-
-
-def _shown_costs(costs: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return :func:`shown_cost` of every cost, 0 where there is none."""
-    return np.minimum(np.maximum(np.log(np.where(costs > 0, costs, 1.0)) / _LOG_CAP, 0.0), 1.0)

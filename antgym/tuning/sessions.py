@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.planners.colony import Plans
+from antgym.errors import ParameterError
 from antgym.planners.parameters import ColonyParameters
 from antgym.tuning.budget import Budget
 from antgym.tuning.problem import TRIAL, Runs, Task, TuningProblem, costs
@@ -35,6 +35,22 @@ class Account(NamedTuple):
     left: int
     trials: tuple[Trial, ...]
     lengths: tuple[float, ...]
+
+
+class Ran(NamedTuple):
+    """What n planner runs came to.
+
+    Attributes:
+        naturals: (n, d), what their settings were to the planner.
+        lengths: (n,) in world units, inf where there was no path.
+        costs: (n,), see :func:`antgym.tuning.problem.costs`.
+        moves: (n,) int64, that all ants of a run made.
+    """
+
+    naturals: NDArray[np.float64]
+    lengths: NDArray[np.float64]
+    costs: NDArray[np.float64]
+    moves: NDArray[np.int64]
 
 
 class Sessions:
@@ -78,33 +94,44 @@ class Sessions:
         self.problems[rows], self.seeds[rows], self.made[rows] = problems, seeds, 0
         self._budget.renew(rows)
 
-    def evaluate(self, rows: NDArray[np.intp], units: NDArray[np.float64]) -> tuple[Runs, Plans]:
-        """Pay for a setting of each of some sessions in one planner call and return what was run, and its plans.
+    def evaluate(self, rows: NDArray[np.intp], units: NDArray[np.float64]) -> Ran:
+        """Pay for a setting of each of some sessions in one planner call.
 
         Args:
-            rows: different sessions.
+            rows: sessions, at least one, in ascending order.
             units: (len(rows), d) settings in [0, 1].
 
         Raises:
+            ParameterError: where one appears twice (nobody is charged).
             BudgetError: when one of them has no trial left (nobody is charged).
         """
+        if (rows[1:] <= rows[:-1]).any():
+            raise ParameterError(
+                f"rows {rows.tolist()}: each session pays for one setting, in ascending order"
+            )
         self._budget.charge(1, rows)
-        runs, plans = self.run(rows, units, TRIAL, self.made[rows])
-        self._record(rows, units, costs(runs.problems, plans.lengths), plans)
-        return runs, plans
+        ran = self.run(rows, units, TRIAL, self.made[rows])
+        self._record(rows, units, ran)
+        return ran
 
     def run(
         self, rows: NDArray[np.intp], units: NDArray[np.float64], domain: int, indices: NDArray[np.int64]
-    ) -> tuple[Runs, Plans]:
+    ) -> Ran:
         """Run settings on seeds of a domain, a row each; the harness's way, charged to nobody."""
         keys = np.stack([np.full_like(indices, domain), indices], axis=1)
         runs = Runs(self.problems[rows].tolist(), self.seeds[rows].tolist(), units, keys)
-        return runs, runs.plan()
+        plans = runs.plan()
+        return Ran(runs.naturals, plans.lengths, costs(runs.problems, plans.lengths), plans.moves)
 
-    def latest(self, rows: NDArray[np.intp], count: int) -> NDArray[np.void]:
-        """Return the last trials of some sessions, (len(rows), count), latest first, zeros where there is none yet."""
-        indices = self.made[rows, None] - 1 - np.arange(count)
+    def history(self, rows: NDArray[np.intp], window: int) -> NDArray[np.void]:
+        """Return ``unit`` and ``cost`` of the incumbents, then of the last trials of some sessions, latest first.
+
+        Returns:
+            (len(rows), 1 + window), zeros where there is none yet.
+        """
+        indices = self.made[rows, None] - np.maximum(np.arange(1 + window), 1)
         trials = self._paid[rows[:, None], np.maximum(indices, 0)]
+        trials[:, 0] = self.best[rows]
         trials[indices < 0] = np.zeros((), _PAID)
         return trials
 
@@ -122,25 +149,28 @@ class Sessions:
             [Trial(i, tuple(unit), *rest) for i, (unit, *rest) in enumerate(zip(*columns, strict=True))]
         )
 
-    def _record(
-        self, rows: NDArray[np.intp], units: NDArray[np.float64], paid: NDArray[np.float64], plans: Plans
-    ) -> None:
+    def _record(self, rows: NDArray[np.intp], units: NDArray[np.float64], ran: Ran) -> None:
         """Enter a trial of each of some sessions, and keep their incumbents."""
-        made = self.made[rows]
+        made, trials = self.made[rows], np.empty(len(rows), _PAID)
+        trials["unit"], trials["cost"] = units, ran.costs
+        trials["work"], trials["length"] = ran.moves, ran.lengths
         if made.max() == self._paid.shape[1]:
             self._paid = np.concatenate([self._paid, np.zeros_like(self._paid)], axis=1)
-        earlier = self._paid["unit"][rows, : made.max()]
-        again = (earlier == units[:, None]).all(axis=2) & (np.arange(earlier.shape[1]) < made[:, None])
-        trials = np.empty(len(rows), _PAID)
-        trials["unit"], trials["cost"], trials["work"], trials["length"] = (
-            units,
-            paid,
-            plans.moves,
-            plans.lengths,
-        )
+        again = self._again(rows, units)
         self._paid[rows, made] = trials
         self.made[rows] += 1
-        better = (made == 0) | (paid < self.best["cost"][rows])
+        better = (made == 0) | (ran.costs < self.best["cost"][rows])
         self.best[rows[better]] = trials[better]
-        for row in rows[again.any(axis=1)].tolist():  # its mean has moved
+        for row in again:  # the mean of what was measured before has moved
             self.best["unit"][row], self.best["cost"][row] = incumbent(self._trials(row))
+
+    def _again(self, rows: NDArray[np.intp], units: NDArray[np.float64]) -> list[int]:
+        """Return which of some sessions have paid for a setting before."""
+        made = self.made[rows]
+        most = made.max()
+        if most == 0:
+            return []
+        earlier = self._paid["unit"][rows, :most]
+        same = (earlier == units[:, None]).all(axis=2) & (np.arange(most) < made[:, None])
+        again: list[int] = rows[same.any(axis=1)].tolist()
+        return again

@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from antgym.errors import BudgetError
+from antgym.errors import BudgetError, ParameterError
 from antgym.tuning.observation import observe
 from antgym.tuning.problem import FRESH, TuningProblem
 from antgym.tuning.session import Session, incumbent
@@ -56,13 +56,16 @@ def test_incumbents_are_those_of_the_trials(sessions):
             assert (tuple(sessions.best["unit"][i].tolist()), sessions.best["cost"][i]) == (unit, cost)
 
 
-def test_the_latest_trials_come_first_and_nothing_where_there_are_none(sessions):
+def test_the_incumbent_comes_first_then_the_latest_trials_and_nothing_where_there_are_none(sessions):
     for trial in range(2):
         sessions.evaluate(ROWS[:2], settings(trial)[:2])
-    latest, trials = sessions.latest(ROWS, 3), sessions.account(1).trials
-    assert latest["unit"][1].tolist() == [list(trials[1].unit), list(trials[0].unit), [0.0] * 4]
-    assert latest["cost"][1].tolist() == [trials[1].cost, trials[0].cost, 0.0]
-    assert not latest["cost"][2:].any()
+    history, trials = sessions.history(ROWS, 3), sessions.account(1).trials
+    unit, cost = incumbent(trials)
+    assert history["unit"][1].tolist() == [
+        list(each) for each in (unit, trials[1].unit, trials[0].unit, [0.0] * 4)
+    ]
+    assert history["cost"][1].tolist() == [cost, trials[1].cost, trials[0].cost, 0.0]
+    assert not history["cost"][2:].any()
 
 
 def test_a_session_without_trials_left_keeps_all_from_being_charged(problem):
@@ -74,6 +77,12 @@ def test_a_session_without_trials_left_keeps_all_from_being_charged(problem):
         sessions.evaluate(rows, settings(0)[:2])
     assert sessions.left.tolist() == [0, 1]
     assert sessions.made.tolist() == [1, 0]
+
+
+def test_nobody_pays_once_for_two_trials(sessions):
+    with pytest.raises(ParameterError, match="each session pays for one setting"):
+        sessions.evaluate(np.array([0, 2, 2]), settings(0)[:3])
+    assert sessions.left.tolist() == [BUDGET] * N
 
 
 def test_a_session_begun_anew_knows_nothing_of_before(sessions, problem):
@@ -89,9 +98,9 @@ def test_a_session_begun_anew_knows_nothing_of_before(sessions, problem):
 
 
 def test_what_the_harness_runs_is_charged_to_nobody(sessions, problem):
-    _, plans = sessions.run(ROWS, settings(0), FRESH, ROWS)
+    ran = sessions.run(ROWS, settings(0), FRESH, ROWS)
     alone = [problem.seeded(int(SEEDS[i])).run(settings(0)[i : i + 1], FRESH, i).lengths[0] for i in ROWS]
-    assert plans.lengths.tolist() == alone
+    assert ran.lengths.tolist() == alone
     assert sessions.left.tolist() == [BUDGET] * N
 
 
