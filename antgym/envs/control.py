@@ -25,7 +25,7 @@ class ControlEpisodes(Episodes):
 
     def __init__(self, count: int, terms: Terms) -> None:
         super().__init__(count, terms)
-        self._opened: list[Any] = [None] * count  # sessions of one trial; None before the first episode
+        self._opened: list[Any] = [None] * count  # sessions with a run each; None before the first
         self._potentials = np.zeros(count)
 
     def trial(self, row: int) -> OpenTrial:
