@@ -1,24 +1,91 @@
 """Control: one planner run, its parameters set anew block by block."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antgym.envs.base import TuningEnv
+from antgym.envs.episodes import Episodes, Rows, Terms
 from antgym.envs.manual import documented
-from antgym.envs.verdicts import Verdict
-from antgym.maps.suites import SuiteItem
-from antgym.planners.colony import Colony, Plans
+from antgym.envs.verdicts import Verdicts
+from antgym.planners.colony import Colony
 from antgym.tuning.features import feature_bounds
 from antgym.tuning.open_trial import OpenTrial
-from antgym.tuning.problem import FRESH, Request, TuningProblem
+from antgym.tuning.problem import FRESH, TuningProblem, run_together
 from antgym.tuning.run_features import CONTROL_FEATURES, DEFAULT, observe_run
 from antgym.tuning.session import Session, steer_together
 
 BLOCKS = 10
 LEAST_ITERATIONS = 40  # four a block: fewer and a block is noise
+
+
+class ControlEpisodes(Episodes):
+    """One run each, walked block by block; runs are objects, for each has a colony of its own."""
+
+    def __init__(self, count: int, terms: Terms) -> None:
+        super().__init__(count, terms)
+        self._opened: list[Any] = [None] * count  # sessions with a run each; None before the first
+        self._potentials = np.zeros(count)
+
+    def trial(self, row: int) -> OpenTrial:
+        """Return the run of an episode."""
+        trial: OpenTrial = self._opened[row].opened
+        return trial
+
+    def spend(self, rows: Rows, units: NDArray[np.float64]) -> Verdicts:
+        """Walk a block of every run in one planner call, and show the shortest paths so far."""
+        sessions = [self._opened[i] for i in rows.tolist()]
+        trials = steer_together(list(zip(sessions, units, strict=True)))
+        blocks = np.array([len(trial.units) for trial in trials])
+        self.planner_runs[rows] += blocks == 1
+        return Verdicts(
+            np.array([trial.parameters for trial in trials]),
+            np.array([trial.length for trial in trials]),
+            self._defaults(rows) if self.terms.reward == "improvement" else None,
+            {"block": blocks},
+        )
+
+    def pay_out(self, rows: Rows, worth: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Pay for what the block gained."""
+        gained = worth - self._potentials[rows]
+        self._potentials[rows] = worth
+        return gained
+
+    def over(self, rows: Rows) -> NDArray[np.bool_]:
+        """Return which runs have ended."""
+        return np.array([self.trial(i).over for i in rows.tolist()])
+
+    def session(self, row: int) -> Session:
+        """Return the session of an episode."""
+        session: Session = self._opened[row]
+        return session
+
+    def walked(self, row: int) -> Colony | None:
+        """Return the colony of the run, None before its first block."""
+        return self.trial(row).colony if self.trial(row).units else None
+
+    def _defaults(self, rows: Rows) -> NDArray[np.float64]:
+        """Return what the published default comes to where runs have ended, nan elsewhere."""
+        lengths, ended = np.full(len(rows), np.nan), np.flatnonzero(self.over(rows))
+        problems = [self._opened[i].problem for i in rows[ended].tolist()]
+        fresh = run_together([(p, np.full((1, len(p.space)), DEFAULT), FRESH, 0) for p in problems])
+        lengths[ended] = [plans.lengths[0] for plans in fresh]
+        self.planner_runs[rows[ended]] += 1
+        return lengths
+
+    def _open(self, rows: Rows, problems: list[TuningProblem], seeds: NDArray[np.int64]) -> None:
+        for row, problem, seed in zip(rows.tolist(), problems, seeds.tolist(), strict=True):
+            before = self._opened[row]
+            buffers = None if before is None else before.opened.colony.release()
+            session = Session(problem.seeded(seed), self.terms.budget)
+            session.open(BLOCKS, buffers)
+            self._opened[row] = session
+        self._potentials[rows] = 0.0
+
+    def _vectors(self, rows: Rows) -> NDArray[np.float32]:
+        sessions = [self._opened[i] for i in rows.tolist()]
+        return np.stack([observe_run(session.task, session.opened) for session in sessions])
 
 
 @documented
@@ -90,58 +157,14 @@ class ControlEnv(TuningEnv):
 
     features = CONTROL_FEATURES
     least_iterations = LEAST_ITERATIONS
-
-    def __init__(self, suite: str | Sequence[SuiteItem], **others: Any) -> None:
-        super().__init__(suite, **others)
-        self._potential = 0.0
+    _kind = ControlEpisodes
+    _episodes: ControlEpisodes
 
     @property
     def trial(self) -> OpenTrial:
         """The run of the current episode; ParameterError before the first reset."""
-        trial = self.session.opened
-        assert trial is not None
-        return trial
-
-    @property
-    def over(self) -> bool:
-        """Whether the run has ended."""
-        return self.trial.over
-
-    @staticmethod
-    def spend(requests: Sequence[tuple[Session, NDArray[np.float64]]]) -> Sequence[OpenTrial]:
-        """Walk a block of every run in one planner call."""
-        return steer_together(requests)
-
-    def judge(self, outcome: OpenTrial) -> Request | None:
-        """At the end a run of the published default, where the reward compares with it."""
-        if self._reward != "improvement" or not outcome.over:
-            return None
-        return self.session.problem, np.full((1, len(outcome.units[0])), DEFAULT), FRESH, 0
-
-    def conclude(self, outcome: OpenTrial, fresh: Plans | None) -> Verdict:
-        """Show the shortest path so far."""
-        block = len(outcome.units)
-        self.planner_runs += int(block == 1) + (0 if fresh is None else len(fresh))
-        default = None if fresh is None else float(fresh.lengths[0])
-        return Verdict(outcome.units[-1], outcome.length, default, {"block": block}, outcome.parameters)
-
-    def pay_out(self, worth: float) -> float:
-        """Pay for what the block gained."""
-        before, self._potential = self._potential, worth
-        return worth - before
-
-    def _begin(self, problem: TuningProblem) -> Session:
-        buffers = None if self._session is None else self.trial.colony.release()
-        session = super()._begin(problem)
-        session.open(BLOCKS, buffers)
-        self._potential = 0.0
-        return session
-
-    def _walked(self) -> Colony | None:
-        return self.trial.colony if self.trial.units else None
+        self._episodes.require_begun(self._rows)
+        return self._episodes.trial(self._row)
 
     def _bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         return feature_bounds(self.features)
-
-    def _vector(self) -> NDArray[np.float32]:
-        return observe_run(self.session.task, self.trial)

@@ -5,9 +5,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from antgym.envs.infos import Columns
 from antgym.envs.scenarios import Items
 from antgym.errors import ParameterError, is_count
+from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.seeding import child_states
 
@@ -25,7 +28,10 @@ class Problems:
 
     def __init__(self, items: Items, effort: Effort | None, least_iterations: int) -> None:
         self._items, self._effort, self._least = items, effort, least_iterations
-        self._made: dict[int, TuningProblem] = {}
+        count = len(items)
+        self._made = np.full(count, None, object)
+        self._features = np.empty((count, len(TASK_FEATURES)), np.float32)
+        self._told = [np.empty(count, kind) for kind in (object, np.int64, np.int64, object)]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return load_problems, (self._items, self._effort, self._least)
@@ -38,19 +44,46 @@ class Problems:
         """Whether every world is one cell high."""
         return self._items.flat
 
-    def draw(self, roots: Sequence[int], episodes: Sequence[int]) -> list[tuple[int, int]]:
+    def draw(
+        self, roots: Sequence[int], episodes: Sequence[int] | NDArray[np.int64]
+    ) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return for each episode of a root the index of a scenario and the problem's seed in [0, 2^63)."""
-        words = child_states(roots, np.array(episodes)[:, None], 2)
-        indices, seeds = words[:, 0] % len(self), words[:, 1] >> 1
-        return list(zip(indices.tolist(), seeds.tolist(), strict=True))
+        words = child_states(roots, np.asarray(episodes)[:, None], 2)
+        return (words[:, 0] % len(self)).astype(np.intp), (words[:, 1] >> 1).astype(np.int64)
 
     def at(self, index: int, seed: int) -> TuningProblem:
         """Return the problem of one scenario under a seed."""
-        if index not in self._made:
-            item = self._items[index]
-            ants, iterations = self._effort or (item.ants, max(item.iterations, self._least))
-            self._made[index] = TuningProblem(item.scenario, item.rules, ants, iterations)
-        return self._made[index].seeded(seed)
+        return self.of(np.array([index]))[0].seeded(seed)
+
+    def of(self, indices: NDArray[np.intp]) -> list[TuningProblem]:
+        """Return the problems of scenarios, shared by all their episodes, seeds aside."""
+        problems: list[TuningProblem] = self._made[indices].tolist()
+        if None in problems:
+            for index in indices.tolist():
+                self._make(index)
+            problems = self._made[indices].tolist()
+        return problems
+
+    def features(self, indices: NDArray[np.intp]) -> NDArray[np.float32]:
+        """Return the features of tasks that were drawn, one below the other, in an array of its own."""
+        return self._features[indices]
+
+    def told(self, indices: NDArray[np.intp], seeds: NDArray[np.int64]) -> Columns:
+        """Return what info tells of problems that were drawn, before anything is run."""
+        names, ants, iterations, rules = (column[indices] for column in self._told)
+        return {"scenario": names, "seed": seeds, "ants": ants, "iterations": iterations, "rules": rules}
+
+    def _make(self, index: int) -> None:
+        if self._made[index] is not None:
+            return
+        item = self._items[index]
+        ants, iterations = self._effort or (item.ants, max(item.iterations, self._least))
+        problem = TuningProblem(item.scenario, item.rules, ants, iterations)
+        self._features[index] = problem.task(0).features
+        told = problem.scenario.name, ants, iterations, problem.rules
+        for column, value in zip(self._told, told, strict=True):
+            column[index] = value
+        self._made[index] = problem
 
 
 @lru_cache(maxsize=32)

@@ -61,7 +61,7 @@ def _blank(count: int, values: Any) -> NDArray[Any]:
 
 
 def _fill(column: NDArray[Any], slots: NDArray[np.intp], values: Any) -> None:
-    if column.dtype == object:  # what has a length would be taken apart
+    if isinstance(values, list) and column.dtype == object:  # what has a length would be taken apart
         for slot, value in zip(slots.tolist(), values, strict=True):
             column[slot] = value
     else:

@@ -1,13 +1,27 @@
 """OneShot: a contextual bandit; one choice, one planner run."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antgym.envs.base import TuningEnv
+from antgym.envs.episodes import PaidEpisodes, Rows
 from antgym.envs.manual import documented
-from antgym.envs.verdicts import Verdict
-from antgym.planners.colony import Plans
-from antgym.tuning.problem import FRESH, Request
-from antgym.tuning.session import Trial
+from antgym.envs.verdicts import Verdicts
+from antgym.tuning.problem import FRESH
+
+
+class OneShotEpisodes(PaidEpisodes):
+    """One trial each, judged by its own length."""
+
+    def spend(self, rows: Rows, units: NDArray[np.float64]) -> Verdicts:
+        """Run the settings; and the published default, where the reward compares with it."""
+        ran = self._sessions.evaluate(rows, units)
+        self.planner_runs[rows] += 1
+        if self.terms.reward != "improvement":
+            return Verdicts(ran.naturals, ran.lengths)
+        fresh = self._sessions.run(rows, np.full_like(units, 0.5), FRESH, np.zeros_like(rows))
+        self.planner_runs[rows] += 1
+        return Verdicts(ran.naturals, ran.lengths, fresh.lengths)
 
 
 @documented
@@ -99,14 +113,4 @@ class OneShotEnv(TuningEnv):
     The docstring of `antgym.planners.rules` names paper and equations of every rule.
     """
 
-    def judge(self, outcome: tuple[Trial, ...]) -> Request | None:
-        """A run of the published default, where the reward compares with it."""
-        if self._reward != "improvement":
-            return None
-        return self.session.problem, np.full((1, len(outcome[0].unit)), 0.5), FRESH, 0
-
-    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Verdict:
-        """End the episode with the run's own length."""
-        self.planner_runs += 1 if fresh is None else 2
-        default = None if fresh is None else float(fresh.lengths[0])
-        return Verdict(outcome[-1].unit, self.session.lengths[-1], default)
+    _kind = OneShotEpisodes

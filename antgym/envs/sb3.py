@@ -8,8 +8,8 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from antgym.envs.base import Observation
 from antgym.envs.catalogue import CATALOGUE
+from antgym.envs.episodes import Observation
 from antgym.envs.vector import NativeVectorEnv, env_seeds
 from antgym.errors import MissingExtraError, ParameterError, nearest
 

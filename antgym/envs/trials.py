@@ -4,15 +4,39 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antgym.envs.base import TuningEnv
+from antgym.envs.episodes import PaidEpisodes, Rows
 from antgym.envs.manual import documented
-from antgym.envs.verdicts import Verdict
+from antgym.envs.verdicts import Verdicts
 from antgym.errors import BudgetError, is_count
 from antgym.maps.suites import SuiteItem
-from antgym.planners.colony import Plans
-from antgym.tuning.problem import FRESH, Request
-from antgym.tuning.session import Trial, incumbent
+from antgym.tuning.problem import FRESH
+
+
+class TrialsEpisodes(PaidEpisodes):
+    """A budget of trials each, judged after every one by a fresh run of the incumbent."""
+
+    def spend(self, rows: Rows, units: NDArray[np.float64]) -> Verdicts:
+        """Run the settings, then the incumbents; and the default, where the reward compares with it."""
+        sessions, count = self._sessions, len(rows)
+        ran = sessions.evaluate(rows, units)
+        self.planner_runs[rows] += 1
+        wanted, first = sessions.best["unit"][rows], 2 * (sessions.made[rows] - 1)
+        cost = {"cost": ran.costs}
+        if self.terms.reward != "improvement":
+            fresh = sessions.run(rows, wanted, FRESH, first)
+            self.planner_runs[rows] += 1
+            return Verdicts(fresh.naturals, fresh.lengths, None, cost)
+        twice, wanted = np.tile(rows, 2), np.concatenate([wanted, np.full_like(wanted, 0.5)])
+        fresh = sessions.run(twice, wanted, FRESH, np.concatenate([first, first + 1]))
+        self.planner_runs[rows] += 2
+        return Verdicts(fresh.naturals[:count], fresh.lengths[:count], fresh.lengths[count:], cost)
+
+    def pay_out(self, rows: Rows, worth: NDArray[np.float64]) -> NDArray[np.float64]:  # noqa: ARG002
+        """Each step pays its share of the episode."""
+        return worth / self._sessions.total
 
 
 @documented
@@ -81,6 +105,7 @@ class TrialsEnv(TuningEnv):
     As in OneShot.
     """
 
+    _kind = TrialsEpisodes
     arguments = (*TuningEnv.arguments, "budget", "window")
 
     def __init__(
@@ -91,21 +116,3 @@ class TrialsEnv(TuningEnv):
                 raise BudgetError(f"{name} = {value!r}: needs a whole number of trials, at least one")
         self._budget, self._window = int(budget), int(window)
         super().__init__(suite, **others)
-
-    def judge(self, outcome: tuple[Trial, ...]) -> Request | None:  # noqa: ARG002 - the incumbent is all that counts
-        """A fresh run of the incumbent, and of the default where the reward compares with it."""
-        unit, _ = incumbent(self.session.trials)
-        units = [unit, (0.5,) * len(unit)] if self._reward == "improvement" else [unit]
-        return self.session.problem, np.array(units), FRESH, 2 * (len(self.session.trials) - 1)
-
-    def conclude(self, outcome: tuple[Trial, ...], fresh: Plans | None) -> Verdict:
-        """Show the incumbent's fresh run."""
-        assert fresh is not None
-        self.planner_runs += 1 + len(fresh)
-        unit, _ = incumbent(self.session.trials)
-        default = float(fresh.lengths[1]) if len(fresh) > 1 else None
-        return Verdict(unit, float(fresh.lengths[0]), default, {"cost": outcome[-1].cost})
-
-    def pay_out(self, worth: float) -> float:
-        """Each step pays its share of the episode."""
-        return worth / self.session.task.budget

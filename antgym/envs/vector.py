@@ -9,7 +9,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space, create_empty_array, iterate
 from numpy.typing import NDArray
 
-from antgym.envs.base import Observation, TuningEnv, begin_together, step_together
+from antgym.envs.base import TuningEnv, settings
+from antgym.envs.episodes import Observation
 from antgym.envs.infos import Columns, gathered, some
 from antgym.errors import ParameterError, nearest
 from antgym.tuning.seeding import child_states
@@ -42,13 +43,16 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         self.single_observation_space = self.envs[0].observation_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._episodes = self.envs[0].alike(self.num_envs)
+        for i, env in enumerate(self.envs):
+            env.join(self._episodes, i)
         self._shown: Any = create_empty_array(self.single_observation_space, self.num_envs)
         self._over = np.zeros(self.num_envs, bool)
 
     @property
     def planner_runs(self) -> int:
         """Planner runs of all slots so far."""
-        return sum(env.planner_runs for env in self.envs)
+        return int(self._episodes.planner_runs.sum())
 
     def reset(
         self,
@@ -70,7 +74,8 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
                 f"{len(seeds)} seeds and a mask of {mask.shape} for {self.num_envs} environments"
             )
         slots = np.flatnonzero(mask)
-        told = self._begin(slots, [seeds[i] for i in slots.tolist()], options)
+        picked = self._episodes.picked(options)
+        told = self._begin(slots, [self.envs[i].root(seeds[i]) for i in slots.tolist()], picked)
         return self._observations(), self._gathered([(slots, told)])
 
     def step(
@@ -87,8 +92,9 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         anew, slots = np.flatnonzero(self._over), np.flatnonzero(~self._over)
         parts: list[tuple[NDArray[np.intp], Columns]] = []
         if len(slots):
-            envs, asked = [self.envs[i] for i in slots.tolist()], np.asarray(actions)[slots]
-            shown, rewards[slots], ends[slots], told = step_together(envs, asked)
+            self._episodes.require_open(slots)
+            units = settings(self.single_action_space, np.asarray(actions)[slots])
+            shown, rewards[slots], ends[slots], told = self._episodes.step(slots, units)
             self._show(slots, shown)
             if (
                 self.mode is AutoresetMode.SAME_STEP
@@ -109,14 +115,13 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
     def _begin(
         self,
         slots: NDArray[np.intp],
-        seeds: Sequence[int | None] | None = None,
-        options: dict[str, Any] | None = None,
+        roots: Sequence[int | None] | None = None,
+        picked: int | None = None,
     ) -> Columns:
         """Begin an episode in some slots and return its infos."""
         if not len(slots):
             return {}
-        envs = [self.envs[i] for i in slots.tolist()]
-        shown, told = begin_together(envs, seeds or [None] * len(envs), options)
+        shown, told = self._episodes.begin(slots, roots, picked)
         self._show(slots, shown)
         self._over[slots] = False
         return told

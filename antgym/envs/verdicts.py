@@ -1,79 +1,56 @@
-"""Verdicts: what the steps of several environments came to, and what that is worth."""
+"""Verdicts: what a step of several environments came to, and what that is worth."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antgym.envs.infos import Columns
 from antgym.planners.parameters import ColonyParameters
-from antgym.planners.space import decode_together
 from antgym.tuning.problem import COST_CAP, TuningProblem, gaps
 
 REWARDS = ("gap", "length", "improvement")
 
 
-class Verdict(NamedTuple):
-    """What one step came to.
+class Verdicts(NamedTuple):
+    """What one step of n environments came to.
 
     Attributes:
-        unit: the setting that counts, each value in [0, 1].
-        length: that it came to, in world units; inf where there was no path.
-        default: what a fresh run of the published default came to, where the reward compares with it.
+        parameters: (n, d) natural values of the settings that count.
+        lengths: (n,) that these came to, in world units; inf where there was no path.
+        defaults: (n,) what fresh runs of the published default came to, nan where the reward compares with none.
         facts: that the regime adds to info.
-        parameters: natural values of the setting, where the regime has them; it is decoded otherwise.
     """
 
-    unit: Sequence[float]
-    length: float
-    default: float | None = None
-    facts: Mapping[str, Any] = {}
-    parameters: Sequence[float] | None = None
+    parameters: NDArray[np.float64]
+    lengths: NDArray[np.float64]
+    defaults: NDArray[np.float64] | None = None
+    facts: Columns = {}  # noqa: RUF012 - of a tuple, which nobody writes to
 
 
-def facts(problems: Sequence[TuningProblem]) -> Columns:
-    """Return what info tells of problems before anything is run."""
-    return {
-        "scenario": [problem.scenario.name for problem in problems],
-        "seed": [problem.seed for problem in problems],
-        "ants": [problem.ants for problem in problems],
-        "iterations": [problem.iterations for problem in problems],
-        "rules": [problem.rules for problem in problems],
-    }
-
-
-def judged(problems: Sequence[TuningProblem], verdicts: Sequence[Verdict]) -> Columns:
-    """Return what info tells after a step."""
-    lengths = np.array([verdict.length for verdict in verdicts])
+def judged(problems: Sequence[TuningProblem], verdicts: Verdicts) -> Columns:
+    """Return what info tells of a step beside what it tells of problems."""
+    lengths = verdicts.lengths
     straight_lines = np.array([problem.scenario.straight_line for problem in problems])
     return {
-        **facts(problems),
         "length": np.minimum(lengths, COST_CAP * straight_lines),
-        "optimum": [problem.scenario.optimum for problem in problems],
+        "optimum": np.array([problem.scenario.optimum for problem in problems]),
         "gap": gaps(problems, lengths),
         "solved": np.isfinite(lengths),
-        "parameters": dict(zip(ColonyParameters._fields, _naturals(problems, verdicts).T, strict=True)),
-        **{name: [verdict.facts[name] for verdict in verdicts] for name in verdicts[0].facts},
+        "parameters": dict(zip(ColonyParameters._fields, verdicts.parameters.T, strict=True)),
+        **verdicts.facts,
     }
 
 
 def worths(
-    reward: str, problems: Sequence[TuningProblem], verdicts: Sequence[Verdict], told: Columns
+    reward: str, problems: Sequence[TuningProblem], verdicts: Verdicts, told: Columns
 ) -> NDArray[np.float64]:
     """Return what each verdict is worth under one of ``REWARDS``; see the environments' docstrings."""
     if reward == "length":
         return -np.asarray(told["length"])
     worth = -np.asarray(told["gap"])
-    compared = [i for i, verdict in enumerate(verdicts) if verdict.default is not None]
-    if compared:
-        defaults = np.array([verdicts[i].default for i in compared])
-        worth[compared] += gaps([problems[i] for i in compared], defaults)
+    if verdicts.defaults is not None:
+        compared = np.flatnonzero(~np.isnan(verdicts.defaults)).tolist()
+        worth[compared] += gaps([problems[i] for i in compared], verdicts.defaults[compared])
     return worth
-
-
-def _naturals(problems: Sequence[TuningProblem], verdicts: Sequence[Verdict]) -> NDArray[np.float64]:
-    if verdicts[0].parameters is not None:
-        return np.array([verdict.parameters for verdict in verdicts])
-    units = np.array([verdict.unit for verdict in verdicts])
-    return decode_together([problem.space for problem in problems], units)

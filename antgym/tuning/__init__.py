@@ -2,10 +2,11 @@
 
 from antgym.planners.space import Parameter, ParameterSpace
 from antgym.tuning.agent import Agent, Result, tune, tune_together
+from antgym.tuning.budget import Budget
 from antgym.tuning.features import shown_rules
 from antgym.tuning.observation import observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Task
-from antgym.tuning.session import Budget, Session, Trial
+from antgym.tuning.session import Session, Trial
 
 __all__ = [
     "COST_CAP",

@@ -28,15 +28,41 @@ def observe(task: Task, trials: Sequence[Trial] = (), *, window: int = 0) -> NDA
     if window == 0:
         return task.features.copy()
     d = len(task.space)
-    history = np.zeros((window, d + 2))
-    for row, trial in zip(history, reversed(trials[-window:]), strict=False):
-        row[:] = (*trial.unit, shown_cost(trial.cost), 1.0)
-    best = np.zeros(d + 1)
+    units, costs = np.zeros((1, 1 + window, d)), np.zeros((1, 1 + window))
     if trials:
-        unit, cost = incumbent(trials)
-        best[:] = (*unit, shown_cost(cost))
-    left = (task.budget - len(trials)) / task.budget
-    return np.concatenate([task.features, [left], best, history.ravel()]).astype(np.float32)
+        units[0, 0], costs[0, 0] = incumbent(trials)
+    for i, trial in enumerate(reversed(trials[-window:]), start=1):
+        units[0, i], costs[0, i] = trial.unit, trial.cost
+    left = np.array([(task.budget - len(trials)) / task.budget])
+    return observe_together(task.features[None], left, units, costs)[0]
+
+
+def observe_together(
+    features: NDArray[np.float32],
+    left: NDArray[np.float64],
+    units: NDArray[np.float64],
+    costs: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Return what :func:`observe` shows of n tasks in one array, (n, m).
+
+    Args:
+        features: (n, len(TASK_FEATURES)), of the tasks.
+        left: (n,), shares of their budgets.
+        units: (n, 1 + window, d), settings: the incumbent's, then those of the last trials, latest first; 0 where
+            there is none yet.
+        costs: (n, 1 + window), and what they cost, 0 where there is none.
+    """
+    count, rows, d = units.shape
+    shown = np.empty((count, rows, d + 2))
+    logs = np.log(np.where(costs > 0, costs, 1.0)) / _LOG_CAP  # as in shown_cost
+    shown[..., :d], shown[..., d], shown[..., d + 1] = (
+        units,
+        np.minimum(np.maximum(logs, 0.0), 1.0),
+        costs > 0,
+    )
+    flat = shown.reshape(count, -1)
+    parts = features, left[:, None], flat[:, : d + 1], flat[:, d + 2 :]  # no 1 beside the incumbent
+    return np.concatenate(parts, axis=1, dtype=np.float32, casting="same_kind")
 
 
 def observe_with_map(

@@ -4,10 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import BudgetError, ParameterError, is_count
 from antgym.maps.world import Scenario
@@ -151,36 +150,45 @@ Request = tuple[TuningProblem, NDArray[np.float64], int, int]
 """(problem, (k, d) settings, seed domain, index of the first seed)"""
 
 
-class Runs(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Runs:
     """Planner runs that several problems ask for.
 
     Attributes:
         problems: n of them, one a run.
+        seeds: under which each is run, in the place of its own.
         units: (n, d) settings.
-        keys: seed domain of each, and its index among the runs of its problem.
+        keys: seed domain of each, and its index among the runs of its problem; (n, 2).
     """
 
     problems: list[TuningProblem]
+    seeds: list[int]
     units: NDArray[np.float64]
-    keys: list[tuple[int, int]]
+    keys: ArrayLike
 
     @classmethod
     def of(cls, requests: Sequence[Request]) -> "Runs":
         """Lay at least one request's runs out, one after the other."""
         problems = [problem for problem, units, _, _ in requests for _ in range(len(units))]
         keys = [(domain, first + i) for _, units, domain, first in requests for i in range(len(units))]
-        return cls(problems, np.concatenate([units for _, units, _, _ in requests]), keys)
+        units = np.concatenate([units for _, units, _, _ in requests])
+        return cls(problems, [problem.seed for problem in problems], units, keys)
+
+    @cached_property
+    def naturals(self) -> NDArray[np.float64]:
+        """What the settings are to the planner, (n, d)."""
+        return decode_together([problem.space for problem in self.problems], self.units)
 
     def plan(self) -> Plans:
         """Run them in one planner call; the only caller of the planner above it."""
         problems = self.problems
         return plan_many(
             [p.scenario for p in problems],
-            decode_together([p.space for p in problems], self.units),
+            self.naturals,
             rules=[p.rules for p in problems],
             ants=[p.ants for p in problems],
             iterations=[p.iterations for p in problems],
-            seeds=child_states([p.seed for p in problems], self.keys)[:, 0],
+            seeds=child_states(self.seeds, self.keys)[:, 0],
         )
 
 

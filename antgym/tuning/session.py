@@ -7,9 +7,10 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.errors import BudgetError, LedgerError, ParameterError, is_count
+from antgym.errors import LedgerError, ParameterError
 from antgym.planners.buffers import Buffers
 from antgym.planners.space import check_together, decode_together
+from antgym.tuning.budget import Budget
 from antgym.tuning.open_trial import OpenTrial, walk_together
 from antgym.tuning.problem import TRIAL, Request, Runs, Task, TuningProblem, costs
 
@@ -50,39 +51,6 @@ class Journal(Protocol):
         ...
 
 
-class Budget:
-    """A number of trials; it can be spent once.
-
-    Raises:
-        BudgetError: if ``total`` is not a positive whole number.
-    """
-
-    def __init__(self, total: int) -> None:
-        if not is_count(total):
-            raise BudgetError(f"budget = {total!r}: a session needs a whole number of trials, at least one")
-        self.total = int(total)
-        self.spent = 0
-
-    @property
-    def left(self) -> int:
-        """Trials that can still be paid for."""
-        return self.total - self.spent
-
-    def check(self, wanted: int) -> None:
-        """Raise BudgetError where ``wanted`` is nothing or nothing is left."""
-        if wanted < 1:
-            raise BudgetError("an empty batch of settings was asked for; ask for at least one")
-        if self.spent == self.total:
-            raise BudgetError(f"all {self.total} trials are spent; stop when session.left is 0")
-
-    def charge(self, wanted: int) -> int:
-        """Spend up to ``wanted`` trials and return how many."""
-        self.check(wanted)
-        granted = min(wanted, self.total - self.spent)
-        self.spent += granted
-        return granted
-
-
 class Session:
     """A budget of trials on one problem.
 
@@ -106,7 +74,7 @@ class Session:
     @property
     def left(self) -> int:
         """Trials that can still be paid for."""
-        return self._budget.left
+        return int(self._budget.left[0])
 
     @property
     def trials(self) -> tuple[Trial, ...]:
@@ -184,7 +152,7 @@ class Session:
     def _claim(self, batch: NDArray[np.float64]) -> tuple[list[Record], Request]:
         """Charge a batch and split it into what a journal already holds and what is left to run."""
         first = len(self._records)
-        granted = self._budget.charge(len(batch))
+        granted = int(self._budget.charge(len(batch))[0])
         if granted < len(batch):
             batch = batch[:granted]
         replayed: list[Record] = []
@@ -282,7 +250,7 @@ def _run(requests: list[Request]) -> list[Record]:
     runs = Runs.of(requests)
     plans = runs.plan()
     columns = (
-        runs.keys,
+        [first + i for _, units, _, first in requests for i in range(len(units))],
         runs.units.tolist(),
         costs(runs.problems, plans.lengths).tolist(),
         plans.moves.tolist(),
@@ -291,5 +259,5 @@ def _run(requests: list[Request]) -> list[Record]:
     )
     return [
         Record(Trial(index, tuple(unit), cost, work), length, seed)
-        for (_, index), unit, cost, work, length, seed in zip(*columns, strict=True)
+        for index, unit, cost, work, length, seed in zip(*columns, strict=True)
     ]

@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode
 from antgym.envs.catalogue import CATALOGUE
 from antgym.envs.checking import check_vector_env
 from antgym.envs.one_shot import OneShotEnv
-from antgym.envs.trials import TrialsEnv
+from antgym.envs.trials import TrialsEnv, TrialsEpisodes
 from antgym.envs.vector import NativeVectorEnv
 from antgym.errors import AntgymError, ContractError, ParameterError
 
@@ -135,12 +135,14 @@ def test_what_is_broken_is_said(kind, message):
 
 
 def test_a_reset_that_heeds_no_mask_is_found():
-    class Staggered(TrialsEnv):
-        """Its episodes end at different times."""
+    class StaggeredEpisodes(TrialsEpisodes):
+        """They end at different times."""
 
-        @property
-        def over(self):
-            return self.session.left <= self.session.problem.seed % 2
+        def over(self, rows):
+            return self._sessions.left[rows] <= self._sessions.seeds[rows] % 2
+
+    class Staggered(TrialsEnv):
+        _kind = StaggeredEpisodes
 
     broken(NativeVectorEnv, AutoresetMode.DISABLED, Staggered, budget=3)
     with pytest.raises(ContractError, match=r"reset of slots \[.\] .*: slot . was not to be reset"):

@@ -63,6 +63,14 @@ def test_arrays_of_the_slots_stay_whole():
     assert [each.tolist() for each in column] == [[0, 0], [1, 1]]
 
 
+def test_names_in_an_array_are_laid_out_as_in_a_list():
+    names = np.array(FACTS["scenario"], object)
+    slots = np.array([5, 0, 2])
+    columns = [gathered(N, [(slots, {"scenario": each})]) for each in (names[:3], names[:3].tolist())]
+    assert data_equivalence(*columns, exact=True)
+    assert type(row({"scenario": names}, 0)["scenario"]) is str
+
+
 def test_masks_are_not_one_array():
     batch = gathered(N, [(np.array([1]), some(FACTS, np.array([1])))])
     batch["_gap"][:] = False

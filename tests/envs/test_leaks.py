@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from gymnasium.envs.registration import load_env_creator
 
-from antgym.envs.base import observed
 from antgym.envs.catalogue import CATALOGUE
 from antgym.maps.suites import load_suite
 from antgym.maps.world import Scenario
@@ -70,10 +69,10 @@ def seen_alone(entry, picked, step):
     seen = [frozen(env.reset(seed=4, options={"scenario": picked})[0])]
     for (action,) in actions(1):
         step(env, action)
-        seen += [frozen(observed([env])), repr(env.session.trials)]
+        seen += [frozen(env._episodes.observed(np.array([0]))), repr(env.session.trials)]
         if env.over:
             break
-    return [*seen, env._walked().result().path.tobytes()]
+    return [*seen, env._episodes.walked(0).result().path.tobytes()]
 
 
 def unjudged(env, action):

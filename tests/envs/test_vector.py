@@ -1,5 +1,6 @@
 """The native batch: what single environments give with the seeds of its slots, in one planner call."""
 
+import pickle
 import warnings
 from copy import deepcopy
 
@@ -252,6 +253,39 @@ def test_numpy_seeds_are_seeds():
     expected = batch.reset(seed=5)
     assert_same(batch.reset(seed=np.int64(5)), expected)
     assert_same(batch.reset(seed=np.array(env_seeds(5, N))), expected)
+
+
+@pytest.mark.parametrize("env_id", [ONE_SHOT, TRIALS, CONTROL])
+def test_a_pickled_batch_goes_on_as_it_would_have(env_id):
+    batch, rng = native(env_id), np.random.default_rng(0)
+    batch.reset(seed=ROOT)
+    batch.step(rng.uniform(-1, 1, (N, 4)))
+    again = pickle.loads(pickle.dumps(batch))
+    for _ in range(4):
+        actions = rng.uniform(-1, 1, (N, 4))
+        assert_same(again.step(actions), batch.step(actions))
+    assert [env.session.trials for env in again.envs] == [env.session.trials for env in batch.envs]
+
+
+def test_slots_are_rows_of_one_batch_and_each_begins_when_it_is_reset():
+    batch = native(ONE_SHOT)
+    with pytest.raises(ParameterError, match="no episode yet"):
+        batch.step(np.zeros((N, 4), np.float32))
+    batch.reset(seed=ROOT, options={"reset_mask": np.array([True, False, True])})
+    assert batch.envs[2].session.left == 1
+    with pytest.raises(ParameterError, match="no episode yet"):
+        _ = batch.envs[1].session
+    assert batch.planner_runs == 0
+
+
+def test_what_was_told_of_an_episode_stays_when_the_next_begins():
+    batch = native(TRIALS, autoreset_mode="SameStep")
+    batch.reset(seed=ROOT)
+    batch.step(np.zeros((N, 4), np.float32))
+    before, trials = batch.envs[1].session, batch.envs[1].session.trials
+    for _ in range(2):
+        batch.step(np.zeros((N, 4), np.float32))
+    assert (batch.envs[1].session.trials, before.trials) == ((), trials)
 
 
 def test_slot_seeds_are_known_by_the_packages_own_name():

@@ -150,7 +150,7 @@ def test_a_trained_agent_tunes_from_its_folder(tmp_path):
     [
         (("--budget", "-1"), "must be 0 or more"),
         (("--fresh", "0"), "at least 1"),
-        (("--agent", "optuna"), "did you mean 'optuna_tpe'"),
+        (("--agent", "optuna_tp"), "did you mean 'optuna_tpe'"),
         (("--rules", "ants"), "unknown rules"),
         (("--ants", "0"), "ants = 0"),
         (("--artefact", "x"), "--artefact"),

@@ -6,8 +6,9 @@ import pytest
 from antgym.errors import BudgetError, ParameterError
 from antgym.maps.world import GridWorld, Scenario
 from antgym.tuning import problem as problems
+from antgym.tuning.budget import Budget
 from antgym.tuning.problem import COST_CAP, FRESH, GAP_CAP, TRIAL, TuningProblem
-from antgym.tuning.session import Budget, Session, Trial, evaluate_together, incumbent
+from antgym.tuning.session import Session, Trial, evaluate_together, incumbent
 
 DEFAULT = (0.5,) * 4
 
