@@ -23,6 +23,7 @@ from antgym.tuning.observation import bounds
 from antgym.tuning.session import Session
 from antgym.tuning.sessions import Account
 
+GRID = 2.0**24
 OBSERVATIONS = ("features", "map", "map2d", "map3d")
 Step = tuple[Observation, float, bool, bool, dict[str, Any]]
 
@@ -60,7 +61,8 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         **unknown: Any,
     ) -> None:
         for name in unknown:
-            raise ParameterError(f"unknown environment argument {name!r}; {nearest(name, self.arguments)}")
+            hint = "the regime Trials has it" if name == "budget" else nearest(name, self.arguments)
+            raise ParameterError(f"unknown environment argument {name!r}; {hint}")
         for name, value, valid in (
             ("split", split, SPLITS),
             ("reward", reward, REWARDS),
@@ -161,13 +163,19 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
 
 def settings(space: gymnasium.Space[Any], actions: ArrayLike) -> NDArray[np.float64]:
-    """Return what actions ask of the planner, a (d,) setting each; ParameterError on one that is none."""
-    values = np.asarray(actions, dtype=np.float64)
+    """Return what actions ask of the planner, a (d,) setting each; ParameterError on one that is none.
+
+    Settings lie on a grid of 2^-24, which float32 holds: what an observation shows of one can be proposed again.
+    """
+    try:
+        values = np.asarray(actions, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ParameterError(f"action {actions!r} is no point of {space}") from None
     fits = values.shape[1:] == space.shape
     if not (fits and (np.abs(values) <= 1).all()):
         bad = values[~(np.abs(values) <= 1).all(axis=1)] if fits else values
         raise ParameterError(f"action {bad[0].tolist()} is no point of {space}")
-    return (values + 1) / 2
+    return np.round((values + 1) * GRID / 2) / GRID
 
 
 def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from antgym.envs.infos import Columns
 from antgym.envs.scenarios import Items
 from antgym.errors import ParameterError, is_count
+from antgym.planners.batch import MOST_EFFORT
 from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.seeding import child_states
@@ -92,11 +93,13 @@ def load_problems(items: Items, effort: Effort | None, least_iterations: int) ->
     return Problems(items, effort, least_iterations)
 
 
-def checked_effort(effort: Sequence[int], least_iterations: int) -> Effort:
+def checked_effort(effort: Sequence[int] | NDArray[np.integer], least_iterations: int) -> Effort:
     """Return (ants, iterations) as asked for; ParameterError where a run cannot have them."""
-    if not isinstance(effort, Sequence) or len(effort) != 2 or not all(map(is_count, effort)):
+    pair = effort.tolist() if isinstance(effort, np.ndarray) else effort
+    fits = isinstance(pair, Sequence) and len(pair) == 2 and all(map(is_count, pair))
+    if not fits or max(pair) > MOST_EFFORT:
         raise ParameterError(
-            f"effort = {effort!r}: needs (ants, iterations), two whole numbers of at least 1"
+            f"effort = {effort!r}: needs (ants, iterations), two whole numbers from 1 to {MOST_EFFORT:,}"
         )
     if effort[1] < least_iterations:
         raise ParameterError(

@@ -35,6 +35,8 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
     """
 
     def __init__(self, envs: Sequence[TuningEnv], autoreset_mode: AutoresetMode) -> None:
+        if not envs:
+            raise ParameterError("num_envs = 0: a batch needs an environment at least")
         self.envs, self.num_envs = list(envs), len(envs)
         self.metadata = {**TuningEnv.metadata, "autoreset_mode": autoreset_mode}
         self.mode = autoreset_mode
@@ -108,6 +110,11 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         parts.append((anew, self._begin(anew)))
         return self._observations(), rewards, ends, np.zeros(self.num_envs, bool), self._gathered(parts)
 
+    def encode(self, *, alpha: float, beta: float, rho: float, Q: float) -> NDArray[np.float32]:
+        """Return the (n, d) actions of natural values in the slots' episodes; ParameterError outside their ranges."""
+        values = {"alpha": alpha, "beta": beta, "rho": rho, "Q": Q}
+        return np.stack([env.encode(**values) for env in self.envs])
+
     def render(self) -> tuple[Any, ...]:
         """Return the pictures of all slots."""
         return tuple(env.render() for env in self.envs)
@@ -147,9 +154,13 @@ def _slot_seeds(
 ) -> Sequence[int | None]:
     if seed is None:
         return [None] * count
-    if isinstance(seed, int | np.integer):
-        return env_seeds(int(seed), count)
-    return [None if each is None else int(each) for each in seed]
+    each: Any = env_seeds(int(seed), count) if isinstance(seed, int | np.integer) and seed >= 0 else seed
+    fits = isinstance(each, Sequence | np.ndarray) and all(
+        one is None or (isinstance(one, int | np.integer) and one >= 0) for one in each
+    )
+    if not fits:
+        raise ParameterError(f"seed = {seed!r}: needs a whole number from 0 on, one for each slot, or None")
+    return [None if one is None else int(one) for one in each]
 
 
 def make_one_shot(

@@ -421,6 +421,28 @@ def test_the_docstring_holds_the_tables_of_what_the_environment_reads(entry):
     assert not any(f"{{{table}}}" in doc for table in ("actions", "observations", "worlds"))
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"effort": [10**9, 50]}, "from 1 to 1,000,000"),
+        ({"effort": np.array([5, 2.5])}, "effort = "),
+        ({"budget": 3}, "Trials has it"),
+    ],
+)
+def test_what_cannot_be_made_is_refused_at_once(entry, arguments, message):
+    if "budget" in arguments and "Trials" in entry.id:
+        pytest.skip("Trials has a budget")
+    with pytest.raises(ParameterError, match=message):
+        gymnasium.make(entry.id, **arguments)
+
+
+def test_an_effort_may_be_an_array_and_no_action_a_word(entry):
+    env = gymnasium.make(entry.id, effort=np.array([2, 50])).unwrapped
+    assert env.reset(seed=0)[1]["ants"] == 2
+    with pytest.raises(ParameterError, match="'abcd'"):
+        env.step("abcd")
+
+
 def test_the_docstring_names_every_argument(entry):
     create = load_env_creator(entry.entry_point)
     shown = create.__doc__ + load_env_creator(CATALOGUE[0].entry_point).__doc__

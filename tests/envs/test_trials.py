@@ -104,6 +104,19 @@ def test_proposing_a_setting_again_measures_it_again():
     assert incumbent(env.session.trials)[1] == pytest.approx(np.mean(costs))
 
 
+def test_what_is_shown_of_the_incumbent_can_be_measured_again():
+    """A policy sees float32 settings: proposed again, they are the settings that were paid for."""
+    env, again = make(budget=2, window=1), 0
+    rng = np.random.default_rng(1)
+    for seed in range(30):
+        env.reset(seed=seed)
+        shown = env.step(rng.uniform(-1, 1, 4).astype(np.float32))[0]
+        latest = shown[-6:-2]
+        env.step(2 * latest - 1)
+        again += len({trial.unit for trial in env.session.trials}) == 1
+    assert again == 30
+
+
 @pytest.mark.parametrize("name", ["budget", "window"])
 @pytest.mark.parametrize("value", [0, -1, 2.5, float("nan"), "3", None])
 def test_an_episode_without_trials_is_refused(name, value):

@@ -329,3 +329,24 @@ def test_maps_are_batched_beside_the_features():
     observations, _, _, _, infos = batch.step(np.zeros((N, 4), np.float32))
     assert observations in batch.observation_space
     assert all(last in batch.single_observation_space for last in infos["final_obs"])
+
+
+@pytest.mark.parametrize("seed", [1.5, -1, "3", [1, 2.5], [1, -1]])
+def test_a_seed_that_is_none_is_named(seed):
+    envs = gymnasium.make_vec("antgym/MountainOneShot-v0", num_envs=2, effort=[2, 2])
+    with pytest.raises(ParameterError, match="seed = "):
+        envs.reset(seed=seed)
+
+
+def test_a_batch_needs_an_environment():
+    with pytest.raises(ParameterError, match="num_envs = 0"):
+        gymnasium.make_vec("antgym/MountainOneShot-v0", num_envs=0)
+
+
+def test_natural_values_are_encoded_for_every_slot():
+    envs = gymnasium.make_vec("antgym/OpenOneShot-v0", num_envs=5, effort=[2, 3])
+    envs.reset(seed=2)
+    values = {"alpha": 1.0, "beta": 2.0, "rho": 0.9, "Q": 50.0}
+    told = envs.step(envs.encode(**values))[4]["final_info"]["parameters"]
+    for name, value in values.items():
+        assert told[name] == pytest.approx([value] * 5, rel=1e-5)
