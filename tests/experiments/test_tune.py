@@ -91,13 +91,24 @@ def test_a_run_that_was_killed_goes_on_and_ends_as_if_nothing_had_been(tmp_path)
 def test_ctrl_c_says_that_the_same_command_goes_on(tmp_path):
     options = (*ENDS, "--agent", "random_search", "--budget", "100000", "--iterations", "100", "--no-picture")
     command = [sys.executable, "-m", "experiments.tune", str(HILLS), *options, "--out", str(tmp_path / "way")]
-    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        command,
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # a shell's background job ignores SIGINT, and its children with it
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509 - one call, no lock
+    )
     trials = tmp_path / "way.trials" / TRIALS
-    while not trials.exists() or trials.stat().st_size < 2_000:
-        assert process.poll() is None
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
+    try:
+        while not trials.exists() or trials.stat().st_size < 2_000:
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert process.returncode == 130
     assert said.splitlines()[-1] == "interrupted; the same command goes on where this one stopped"
     assert trials.stat().st_size > 0
