@@ -2,9 +2,10 @@
 
 import json
 import os
-from collections.abc import Mapping, Set
+from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from antgym.errors import ParameterError
 
 Floats = NDArray[np.float64]
+_Artefact = TypeVar("_Artefact")
 
 
 def save(path: str | Path, form: str, content: Mapping[str, Any]) -> None:
@@ -22,9 +24,16 @@ def save(path: str | Path, form: str, content: Mapping[str, Any]) -> None:
     draft.replace(path)
 
 
-def load(path: str | Path, form: str, known: Set[str]) -> dict[str, Any]:
-    """Return what an artefact holds, lists as tuples; ParameterError names the file and what is wrong with it."""
+def load(path: str | Path, form: str, kind: type[_Artefact]) -> _Artefact:
+    """Return the artefact in a file, lists as tuples; ParameterError names the file and what is wrong with it.
+
+    Args:
+        path: the file.
+        form: its format.
+        kind: the dataclass whose fields it holds.
+    """
     path, what = Path(path), form.removeprefix("antgym ").rstrip("0123456789 ")
+    known = {each.name for each in fields(kind)}  # type: ignore[arg-type]  # a dataclass
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -35,7 +44,10 @@ def load(path: str | Path, form: str, known: Set[str]) -> dict[str, Any]:
         raise ParameterError(f"{path}: no JSON ({error})") from None
     if not isinstance(content, dict) or content.pop("format", None) != form or set(content) != known:
         raise ParameterError(f"{path}: not an {form!r} with the fields {', '.join(sorted(known))}")
-    return {name: as_tuples(value) for name, value in content.items()}
+    try:
+        return kind(**{name: as_tuples(value) for name, value in content.items()})
+    except (ParameterError, TypeError) as error:
+        raise ParameterError(f"{path}: {error}") from None
 
 
 def as_tuples(values: Any) -> Any:

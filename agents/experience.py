@@ -5,7 +5,7 @@ runs anything on a train map itself: it is paid once, and its price stands on th
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -201,11 +201,7 @@ class Experience:
     @classmethod
     def load(cls, path: str | Path) -> "Experience":
         """Read it; ParameterError names the file and what is wrong with it."""
-        content = artefact.load(path, FORMAT, {f.name for f in fields(cls)})
-        try:
-            return cls(**content)
-        except (ParameterError, TypeError) as error:
-            raise ParameterError(f"{path}: {error}") from None
+        return artefact.load(path, FORMAT, cls)
 
 
 def as_experience(source: Experience | str | Path) -> Experience:

@@ -1,7 +1,7 @@
 """A fitted transfer graph: what source tasks taught, as data that a target's agent starts from."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -234,11 +234,7 @@ class TransferGraph:
     @classmethod
     def load(cls, path: str | Path) -> "TransferGraph":
         """Read a graph; ParameterError names the file and what is wrong with it."""
-        content = artefact.load(path, FORMAT, {f.name for f in fields(cls)})
-        try:
-            return cls(**content)
-        except (ParameterError, TypeError) as error:
-            raise ParameterError(f"{path}: {error}") from None
+        return artefact.load(path, FORMAT, cls)
 
     def plot(self, path: str | Path) -> Path:
         """Draw the graph as a PNG, see :func:`agents.graph_picture.draw`; MissingExtraError without matplotlib."""

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from agents import artefact
 from agents.search import ZeroShot
 from antgym.errors import ParameterError
 from antgym.tuning import COST_CAP, Session, Task, shown_rules
@@ -28,7 +29,7 @@ class StaticSetting(NamedTuple):
 
     def save(self, path: Path) -> None:
         """Write it as JSON; the file appears whole or not at all."""
-        _write(path, FORMAT, self._asdict())
+        artefact.save(path, FORMAT, self._asdict())
 
     @classmethod
     def load(cls, path: Path) -> "StaticSetting":
@@ -54,7 +55,7 @@ class StaticSettings(NamedTuple):
     def save(self, path: Path) -> None:
         """Write them as JSON; the file appears whole or not at all."""
         settings = {rules: setting._asdict() for rules, setting in self.by_rules.items()}
-        _write(path, FORMAT_BY_RULES, {"by_rules": settings})
+        artefact.save(path, FORMAT_BY_RULES, {"by_rules": settings})
 
     @classmethod
     def load(cls, path: Path) -> "StaticSettings":
@@ -160,12 +161,6 @@ def _rules(task: Task) -> str:
     if rules is None:
         raise ParameterError("the task goes by rules of its own, a setting by rules is for published ones")
     return rules
-
-
-def _write(path: Path, form: str, content: Mapping[str, Any]) -> None:
-    draft = path.with_name(path.name + ".tmp")
-    draft.write_text(json.dumps({"format": form, **content}, indent=1), encoding="utf-8")
-    draft.replace(path)
 
 
 def _read(path: Path, form: str, make: Callable[[Mapping[str, Any]], _T]) -> _T:

@@ -98,9 +98,8 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             units = settings(self.single_action_space, np.asarray(actions)[slots])
             shown, rewards[slots], ends[slots], told = self._episodes.step(slots, units)
             self._show(slots, shown)
-            if (
-                self.mode is AutoresetMode.SAME_STEP
-            ):  # no slot was waiting, so slots are places in what is told
+            if self.mode is AutoresetMode.SAME_STEP:
+                # no slot was waiting, so slots are places in what is told
                 anew, slots = np.flatnonzero(ends), np.flatnonzero(~ends)
                 last = {"final_obs": list(iterate(self.observation_space, shown)), "final_info": told}
                 parts = [(anew, some(last, anew)), (slots, some(told, slots))]

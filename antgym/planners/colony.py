@@ -244,10 +244,8 @@ class Colony:
     def _walk(self, iterations: int) -> None:
         span = _, until = self._done, self._done + iterations
         batch, changed = self._batch, self._changed
-        buffers, self._kept = (
-            self._buffers,
-            None,
-        )  # an error on the way leaves nothing half walked to go on with
+        # an error on the way leaves nothing half walked to go on with
+        buffers, self._kept = self._buffers, None
         while (
             walk_block(batch.ground, batch.runs, *buffers, batch.history, *span, changed, self._report)
             < until
