@@ -8,7 +8,7 @@ included. The re-runs that follow the search are there for that.
 from abc import abstractmethod
 from collections.abc import Mapping
 from types import SimpleNamespace
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,15 +98,17 @@ class _Generations(Search):
     """pymoo's ask and tell over the unit cube, up to a number of generations.
 
     Args:
-        settings: checked settings of the algorithm that ``_build`` makes.
+        settings: a name among those that the algorithm knows.
+        changes: fields of these settings to change.
     """
 
+    _known: ClassVar[Mapping[str, Any]]
     settings: GASettings | PSOSettings | DESettings
 
-    def __init__(self, settings: GASettings | PSOSettings | DESettings) -> None:
+    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
+        self.settings = _choose(self._known, settings, changes)
         self._pymoo = _pymoo()
-        super().__init__(settings.rerun_share)
-        self.settings = settings
+        super().__init__(self.settings.rerun_share)
 
     def _start(self, task: Task, trials: int, seed: int) -> None:
         pymoo = self._pymoo
@@ -142,10 +144,8 @@ class GeneticAlgorithm(_Generations):
         changes: fields of :class:`GASettings` to change.
     """
 
+    _known = GA_SETTINGS
     settings: GASettings
-
-    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
-        super().__init__(_choose(GA_SETTINGS, settings, changes))
 
     def _build(self, pymoo: SimpleNamespace, population: int) -> Any:
         chosen = self.settings
@@ -166,10 +166,8 @@ class ParticleSwarm(_Generations):
         changes: fields of :class:`PSOSettings` to change.
     """
 
+    _known = PSO_SETTINGS
     settings: PSOSettings
-
-    def __init__(self, settings: str = "fitted", **changes: Any) -> None:
-        super().__init__(_choose(PSO_SETTINGS, settings, changes))
 
     def _build(self, pymoo: SimpleNamespace, population: int) -> Any:
         chosen = self.settings
@@ -191,10 +189,11 @@ class DifferentialEvolution(_Generations):
         changes: fields of :class:`DESettings` to change.
     """
 
+    _known = DE_SETTINGS
     settings: DESettings
 
     def __init__(self, settings: str = "fitted", **changes: Any) -> None:
-        super().__init__(_choose(DE_SETTINGS, settings, changes))
+        super().__init__(settings, **changes)
         if self.settings.population is not None and self.settings.population < SMALLEST_DE:
             raise ParameterError(
                 f"population = {self.settings.population}: a difference between others needs at least {SMALLEST_DE}"
