@@ -65,33 +65,34 @@ class Arguments:
 def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> dict[str, int]:
     """Make the files that these agents need and that are missing; return what each file's training spent."""
     folder.mkdir(parents=True, exist_ok=True)
-    steps: dict[str, tuple[Callable[[Path], Any], Callable[[Path], int]]] = {
-        "static.json": (
-            lambda path: _race(race, suite, preset).save(path),
-            lambda p: StaticSetting.load(p).evaluations,
-        ),
-        "static_by_rules.json": (
-            lambda path: _race(race_by_rules, suite, preset).save(path),
-            lambda p: StaticSettings.load(p).evaluations,
-        ),
-        "graph.json": (
-            lambda path: _fit(suite, preset).save(path),
-            lambda p: TransferGraph.load(p).evaluations,
-        ),
-        "experience.json": (
-            lambda path: _gather(suite, preset).save(path),
-            lambda p: Experience.load(p).evaluations,
-        ),
-        "policy.json": (lambda path: _train(path, preset), _policy_evaluations),
+    steps: dict[str, Callable[[Path], Any]] = {
+        "static.json": lambda path: _race(race, suite, preset).save(path),
+        "static_by_rules.json": lambda path: _race(race_by_rules, suite, preset).save(path),
+        "graph.json": lambda path: _fit(suite, preset).save(path),
+        "experience.json": lambda path: _gather(suite, preset).save(path),
+        "policy.json": lambda path: _train(path, preset),
     }
-    wanted = {ARGUMENTS[card.entry_point][1] for card in map(agents.find_card, names) if card.trained}
-    spent = {}
-    for name, (make, evaluations) in steps.items():
-        if name in wanted:
-            if not (folder / name).exists():
-                make(folder / name)
-            spent[name] = evaluations(folder / name)
-    return spent
+    wanted = _files(names)
+    for name, make in steps.items():
+        if name in wanted and not (folder / name).exists():
+            make(folder / name)
+    return spent(folder, names)
+
+
+def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
+    """Return what the training of each file that these agents need has spent; ParameterError where one is missing."""
+    evaluations: dict[str, Callable[[Path], int]] = {
+        "static.json": lambda path: StaticSetting.load(path).evaluations,
+        "static_by_rules.json": lambda path: StaticSettings.load(path).evaluations,
+        "graph.json": lambda path: TransferGraph.load(path).evaluations,
+        "experience.json": lambda path: Experience.load(path).evaluations,
+        "policy.json": _policy_evaluations,
+    }
+    return {name: evaluations[name](folder / name) for name in sorted(_files(names))}
+
+
+def _files(names: Sequence[str]) -> set[str]:
+    return {ARGUMENTS[card.entry_point][1] for card in map(agents.find_card, names) if card.trained}
 
 
 def trained_argument(name: str, folder: Path) -> dict[str, Path]:

@@ -5,7 +5,7 @@ import time
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -16,19 +16,16 @@ from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, Outcome
 from antgym.tuning.problem import FRESH
-from experiments.artefacts import problem
 from experiments.board import EXACT, Board, Picture, Row, to_markdown, to_table
+from experiments.contest import Entrant, Job
 from experiments.presets import Preset
 from experiments.report.page import write_page
-
-if TYPE_CHECKING:
-    from experiments.leaderboard import Entrant
 
 SHOWN = ("published_default", "random_search", "optuna_tpe", "transfer_graph", "rl", "best_static")
 
 
 def show(
-    folder: Path, ledger: Ledger, contest: "Sequence[Entrant]", items: Sequence[SuiteItem], preset: Preset
+    folder: Path, ledger: Ledger, contest: Sequence[Entrant], items: Sequence[SuiteItem], preset: Preset
 ) -> Path:
     """Print the table, write board.md and index.html, and return the page's path."""
     config = ledger.manifest["config"]
@@ -42,7 +39,7 @@ def show(
         budget=preset.budget,
         seeds=preset.seeds,
         manifest=ledger.manifest,
-        picture=_picture(contest, ledger, items[_most_telling(rows)]),
+        picture=_picture(contest, ledger, items[_most_telling(rows)], preset.budget),
     )
     Console(width=160 if not Console().is_terminal else None).print(to_table(board))
     write_whole(folder / "board.md", (to_markdown(board) + "\n").encode())
@@ -52,7 +49,7 @@ def show(
 
 
 def _row(
-    entrant: "Entrant",
+    entrant: Entrant,
     ledger: Ledger,
     items: Sequence[SuiteItem],
     preset: Preset,
@@ -61,7 +58,8 @@ def _row(
     gaps, spent, optimism, solved, clocks = [], [], [], [], []
     for item in items:
         for seed in range(preset.seeds):
-            run = ledger.run(f"{entrant.name}/{item.name}/{seed}")
+            job = Job(entrant, item, seed, preset.budget)
+            run = ledger.run(job.key)
             outcome = run.outcome
             assert outcome is not None, f"{run.key} is not finished"
             gaps.append(float(np.mean(outcome.gaps)))
@@ -69,8 +67,7 @@ def _row(
             spent.append(len(run.records))
             seen = [r.length for r in run.records if r.trial.unit == outcome.unit]
             if seen:
-                task = problem(item, "board", seed)
-                optimism.append(gaps[-1] - float(task.gap(np.array(seen)).mean()))
+                optimism.append(gaps[-1] - float(job.problem.gap(np.array(seen)).mean()))
             clocks.append(seconds.get(run.key, {}))
     table = np.array(gaps).reshape(len(items), preset.seeds)
     return Row(
@@ -118,16 +115,16 @@ def _most_telling(rows: Sequence[Row]) -> int:
     return int(np.array([row.scenario_means for row in rows if row.name in SHOWN]).std(axis=0).argmax())
 
 
-def _picture(contest: "Sequence[Entrant]", ledger: Ledger, item: SuiteItem) -> Picture:
+def _picture(contest: Sequence[Entrant], ledger: Ledger, item: SuiteItem, budget: int) -> Picture:
     """Walk the first fresh run of some agents' recommendations again, for their paths."""
     world, scenario = item.scenario.world, item.scenario
     paths, lengths = {EXACT: shortest_path(scenario)}, {EXACT: scenario.optimum}
-    task = problem(item, "board", 0)
     for entrant in contest:
         if entrant.name in SHOWN:
-            outcome = ledger.run(f"{entrant.name}/{item.name}/0").outcome
+            job = Job(entrant, item, 0, budget)
+            outcome = ledger.run(job.key).outcome
             assert isinstance(outcome, Outcome)
-            plan = task.run(np.array([outcome.unit]), FRESH, 0).plan(0)
+            plan = job.problem.run(np.array([outcome.unit]), FRESH, 0).plan(0)
             lengths[entrant.name] = plan.length
             if plan.solved:
                 paths[entrant.name] = plan.path

@@ -3,26 +3,29 @@
     python -m experiments.artefacts transfer_graph portfolio best_static --out out/trained
     python -m experiments.transfer --artefacts out/trained --out out/transfer
 
-Every recommendation is judged on fresh, uncharged runs; differences are paired by map. Transfer is negative on a map
+Every recommendation is judged on fresh, uncharged runs; differences are paired by map. A run that was stopped goes on
+where it was when the same command is given again. Transfer is negative on a map
 where an agent's setting is clearly worse than one that needs no graph: the published default, or the copied best source
 at the same budget; clearly means by more than two standard errors of the fresh runs.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-import agents
 from agents.graph import TransferGraph
 from antgym.console import main, parse, progress
 from antgym.errors import ParameterError
-from antgym.maps.suites import SuiteItem, load_suite
-from antgym.tuning.agent import Agent, tune
-from antgym.tuning.session import Session
-from experiments.artefacts import derived_seed, problem, trained_argument
+from antgym.maps.suites import load_suite
+from antgym.tuning.ledger import Ledger, LedgerRun
+from experiments import provenance
+from experiments.artefacts import spent
+from experiments.contest import enter, jobs, play
 from experiments.statistics import Difference, cluster_interval, paired_difference, wilson_interval
 from experiments.tables.sheet import new_figure, publish, table
 
@@ -42,7 +45,7 @@ class Arguments:
     artefacts: Path = Path("out/trained")
     """Folder of the trained agents' files."""
     out: Path = Path("out/transfer")
-    """Folder of transfer.md, transfer.json, transfer.png and graph.png."""
+    """Folder of the ledger, of transfer.md, transfer.json, transfer.png and graph.png."""
     suite: str = "mountain-v0"
     """Suite of the targets."""
     split: str = "validation"
@@ -76,43 +79,39 @@ Key = tuple[int, str]
 
 
 def measure(arguments: Arguments) -> dict[Key, Outcome]:
-    """Let every agent tune every target at every budget."""
+    """Let every agent tune every target at every budget; what the ledger holds already is not run again."""
     missing = {COPY, DEFAULT} - set(arguments.agents)
     if missing or min(arguments.budgets, default=0) < 0 or arguments.maps < 2:
         raise ParameterError(
             f"--agents must name {COPY} and {DEFAULT}, which negative transfer is measured against; "
             "--budgets must be 0 or more, --maps 2 or more"
         )
-    built: list[tuple[str, Agent]] = [
-        (name, agents.make(name, **trained_argument(name, arguments.artefacts))) for name in arguments.agents
-    ]
+    paid = spent(arguments.artefacts, arguments.agents)
+    contest = enter(arguments.agents, arguments.artefacts, paid)
     items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
-    outcomes = {}
-    with progress("transfer", len(arguments.budgets) * len(built) * len(items)) as advance:
-        for budget in arguments.budgets:
-            for name, agent in built:
-                runs = []
-                for item in items:
-                    runs.append(
-                        [_play(agent, name, item, budget, s, arguments.fresh) for s in range(arguments.seeds)]
-                    )
-                    advance(1)
-                gaps = np.array([[gap for gap, _ in row] for row in runs])
-                outcomes[budget, name] = Outcome(
-                    gaps, float(np.mean([[paid for _, paid in row] for row in runs]))
-                )
-    return outcomes
+    config = {
+        **{
+            name: getattr(arguments, name)
+            for name in ("suite", "split", "seeds", "budgets", "fresh", "agents")
+        },
+        "sources": provenance.sources(),
+        "maps": [item.scenario.digest[:16] for item in items],
+    }
+    versions = provenance.versions(arguments.agents)
+    with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
+        ledger.pin(provenance.digests(arguments.artefacts))
+        todo = list(jobs(contest, items, arguments.seeds, arguments.budgets))
+        with progress("transfer", len(todo)) as advance:
+            play(todo, ledger, arguments.fresh, advance)
+        return {
+            key: _outcome([ledger.run(job.key) for job in group], len(items))
+            for key, group in groupby(todo, lambda job: (job.budget, job.entrant.name))
+        }
 
 
-def _play(agent: Agent, name: str, item: SuiteItem, budget: int, seed: int, fresh: int) -> tuple[Floats, int]:
-    """Return the gaps of fresh runs of what an agent recommends for a target, (fresh,), and the trials it paid."""
-    target = problem(item, "transfer", seed)
-    child = derived_seed("transfer", name, item.scenario.digest, seed)
-    if budget:
-        unit, trials = tune(agent, Session(target, budget), seed=child)
-        return target.gap(target.fresh(unit, fresh).lengths), len(trials)
-    agent.reset(target.task(0), seed=child)
-    return target.gap(target.fresh(agent.recommend(), fresh).lengths), 0
+def _outcome(runs: Sequence[LedgerRun], maps: int) -> Outcome:
+    gaps = np.array([run.outcome.gaps for run in runs if run.outcome is not None])
+    return Outcome(gaps.reshape(maps, -1, gaps.shape[1]), float(np.mean([len(run.records) for run in runs])))
 
 
 def worse(outcome: Outcome, reference: Outcome) -> int:
@@ -133,6 +132,8 @@ def report(arguments: Arguments) -> Path:
         f"# Transfer on {arguments.maps} maps of {arguments.suite} {arguments.split}",
         f"{arguments.seeds} seeds a map, each recommendation judged on {arguments.fresh} fresh runs; gaps in %, "
         "with 95 % intervals over maps and seeds.",
+        "## In short",
+        _summary(arguments, outcomes),
         *(_section(arguments, budget, outcomes) for budget in arguments.budgets),
         "## The graph: each source left out",
         _left_out(graph),
@@ -142,6 +143,20 @@ def report(arguments: Arguments) -> Path:
     return publish(
         arguments.out, "transfer", "\n\n".join(parts) + "\n", numbers, _figure(arguments, outcomes)
     )
+
+
+def _summary(arguments: Arguments, outcomes: dict[Key, Outcome]) -> str:
+    """Return the mean gaps of all agents, those that are best at the largest budget first."""
+    last = arguments.budgets[-1]
+    rows = []
+    for name in sorted(arguments.agents, key=lambda name: float(outcomes[last, name].means.mean())):
+        cells = []
+        for budget in arguments.budgets:
+            means = outcomes[budget, name].means
+            low, high = cluster_interval(means)
+            cells.append(f"{100 * means.mean():.1f} [{100 * low:.1f}, {100 * high:.1f}]")
+        rows.append([f"`{name}`", *cells])
+    return table(["agent", *(f"{budget} trials" for budget in arguments.budgets)], rows)
 
 
 HEADINGS = (
@@ -209,7 +224,4 @@ def _figure(arguments: Arguments, outcomes: dict[Key, Outcome]) -> Any:
 
 
 if __name__ == "__main__":
-    main(
-        lambda: print(f"\nwritten: {report(parse(Arguments, None, 'python -m experiments.transfer'))}"),
-        interrupted="interrupted; nothing was written",
-    )
+    main(lambda: print(f"\nwritten: {report(parse(Arguments, None, 'python -m experiments.transfer'))}"))

@@ -82,8 +82,12 @@ def test_reset_forgets_everything(build, bowl):
     assert again.trials == tune(build(), bowl(40, noise=0.1), seed=5).trials
 
 
-def test_agents_that_take_turns_do_not_disturb_each_other(build, bowl):
-    sessions, both = [bowl(24), bowl(24)], [build(), build()]
+@pytest.mark.parametrize("how", ["apart", "copies"])
+def test_agents_that_take_turns_do_not_disturb_each_other(build, bowl, how):
+    """Copies share what training left, and nothing that a task brings."""
+    agent = build()
+    both = [copy.copy(agent), copy.copy(agent)] if how == "copies" else [agent, build()]
+    sessions = [bowl(24), bowl(24)]
     for agent, session, seed in zip(both, sessions, (1, 2), strict=True):
         agent.reset(session.task, seed=seed)
     for _ in range(24):

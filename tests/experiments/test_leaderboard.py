@@ -21,7 +21,7 @@ from agents.static import StaticSetting
 from antgym.errors import LedgerError, ParameterError
 from antgym.planners.parameters import ColonyParameters
 from antgym.tuning.ledger import MANIFEST, TRIALS
-from experiments import leaderboard
+from experiments import contest, leaderboard
 from experiments.leaderboard import STATIC, Arguments, run_board
 from experiments.presets import PRESETS, Preset
 
@@ -104,7 +104,7 @@ def test_a_finished_board_is_shown_again_without_a_trial(board, monkeypatch):
     folder = board()
     before = (folder / TRIALS).read_bytes()
     (folder / "index.html").unlink()
-    monkeypatch.setattr(leaderboard, "play", lambda *_: pytest.fail("a run was played again"))
+    monkeypatch.setattr(contest, "tune_together", lambda *_: pytest.fail("a run was played again"))
     board()
     assert (folder / TRIALS).read_bytes() == before
 

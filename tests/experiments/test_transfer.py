@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("matplotlib")
 
 from antgym.errors import ParameterError
+from antgym.tuning.ledger import TRIALS
 from experiments import artefacts, transfer
 from experiments.transfer import COPY, DEFAULT, Arguments, Outcome
 
@@ -26,6 +27,18 @@ def test_a_tiny_measurement_writes_its_tables_and_pictures(tmp_path):
     assert np.shape(numbers["transfer_graph/4"]) == (2, 1)
     for name in ("graph.png", "transfer.png"):
         assert (tmp_path / "out" / name).read_bytes().startswith(b"\x89PNG")
+    _goes_on_where_it_stopped(asked, text, numbers)
+
+
+def _goes_on_where_it_stopped(asked, text, numbers):
+    """A third of the ledger is left; the rest is run again, to the same end."""
+    trials = asked.out / TRIALS
+    whole = trials.read_text().splitlines()
+    trials.write_text("\n".join(whole[: len(whole) // 3]) + "\n")
+    path = transfer.report(asked)
+    assert path.read_text() == text
+    assert json.loads(path.with_suffix(".json").read_text()) == numbers
+    assert sorted(trials.read_text().splitlines()) == sorted(whole)
 
 
 def test_worse_is_what_two_standard_errors_cannot_explain():

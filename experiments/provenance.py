@@ -1,0 +1,62 @@
+"""Provenance: the versions, code, files and machine behind a result."""
+
+import hashlib
+import os
+import platform
+import subprocess
+from collections.abc import Iterable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import agents
+import antgym
+from antgym.kernels import sources_hash
+from antgym.planners.threads import thread_count
+
+
+def versions(names: Iterable[str]) -> dict[str, str]:
+    """Return the versions that the results of some agents depend on."""
+    found = {"antgym": antgym.__version__, "kernels": sources_hash(), "python": platform.python_version()}
+    found.update({name: version(name) for name in ("gymnasium", "matplotlib", "numba", "scipy")})
+    for name in names:
+        found.update(agents.versions(name))
+    return found
+
+
+def sources() -> str:
+    """Return the hash of all code that decides a trial: a contest goes on only with what it was begun with."""
+    root, digest = Path(__file__).parents[1], hashlib.sha256()
+    for folder in (Path(antgym.__file__).parent, root / "agents"):
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def digests(folder: Path) -> dict[str, str]:
+    """Return the hashes of the artefacts in a folder by name."""
+    return {
+        path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in sorted(folder.iterdir())
+    }
+
+
+def facts() -> dict[str, Any]:
+    """Return what a reader of a contest wants to know of where it was run."""
+    return {"commit": _commit(), "cpu": _cpu(), "cores": os.cpu_count(), "threads": thread_count()}
+
+
+def _commit() -> str:
+    here = Path(__file__).parent
+    done = subprocess.run(
+        ["git", "describe", "--always", "--dirty"], cwd=here, capture_output=True, text=True, check=False
+    )
+    return done.stdout.strip() or "no git checkout"
+
+
+def _cpu() -> str:
+    path = Path("/proc/cpuinfo")
+    if path.exists():
+        for line in path.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
