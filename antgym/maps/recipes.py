@@ -57,7 +57,7 @@ class Recipe(NamedTuple):
         strands: of train, validation and test.
         counts: generated items per split.
         ood: strands of the split ``ood``: larger worlds, and families that the other splits do not have.
-        terrain: rules that plan the windows of real terrain at the end of ``ood``, in turn; no windows without.
+        terrain: rules that plan the windows of real terrain that ``ood`` begins with, in turn; no windows without.
         rotations: in how many directions each window is crossed.
     """
 
@@ -115,6 +115,7 @@ _LARGER = (67, 75)  # beyond, hardly a draw is worthwhile, and hardly an ant of 
 _SOLIDS = ("ridges", "forest", "boxes", "caves", "pockets")
 _COUNTS = {"train": 200, "validation": 50, "test": 100}
 
+_MOUNTAIN = Strand(("mountains",), ("liu2020",), _odd(15, 27), (5, 40), (10, 100))
 _FIELD = Strand(_SOLIDS, ("zhang_apf",), _odd(15, 27), (5, 40), (10, 200))
 _ROOM = Strand(("rooms",), ("zhang2011",), _odd(15, 31), (5, 40), (10, 150), most=WANDERING)
 _PALLET = Strand(("clutter",), ("wei2018",), (20,), (5, 40), (10, 150), most=WANDERING)
@@ -130,30 +131,34 @@ _OPEN = (
 
 SUITES: dict[str, Recipe] = {
     "mountain-v0": Recipe(
-        (Strand(("mountains",), ("liu2020",), _odd(15, 27), (5, 40), (10, 100)),),
-        {**_COUNTS, "ood": 0},
+        (_MOUNTAIN,),
+        {**_COUNTS, "ood": 48},
+        ood=(
+            _MOUNTAIN._replace(sizes=(33, 39, 45)),
+            _MOUNTAIN._replace(families=_SOLIDS),
+        ),
         terrain=("liu2020",),
         rotations=4,
     ),
     "potential-field-v0": Recipe(
         (_FIELD,),
-        {**_COUNTS, "ood": 48},
+        {**_COUNTS, "ood": 96},
         ood=(_FIELD._replace(sizes=(33, 39, 45)), _FIELD._replace(families=("mountains",))),
         terrain=_FIELD.rules,
     ),
     "room-v0": Recipe(
         (_ROOM,),
-        {**_COUNTS, "ood": 64},
+        {**_COUNTS, "ood": 112},
         ood=(_ROOM._replace(sizes=(37, 43, 51)), _ROOM._replace(families=("mazes", "clutter", "warehouse"))),
     ),
     "pallet-v0": Recipe(
         (_PALLET,),
-        {**_COUNTS, "ood": 64},
+        {**_COUNTS, "ood": 112},
         ood=(_PALLET._replace(sizes=(30, 40)), _PALLET._replace(families=("rooms", "mazes", "warehouse"))),
     ),
     "open-v0": Recipe(
         _OPEN,
-        {"train": 400, "validation": 100, "test": 200, "ood": 64},
+        {"train": 400, "validation": 100, "test": 200, "ood": 96},
         ood=tuple(strand._replace(sizes=_LARGER) for strand in _OPEN),
         terrain=("liu2020", "zhang_apf", *TEXTBOOK),
     ),

@@ -99,10 +99,7 @@ class Suite(Sequence[SuiteItem]):
 
     def _item(self, index: int) -> SuiteItem:
         if index not in self._items:
-            generated = self._recipe.counts[self.split]
-            self._items[index] = (
-                self._generated(index) if index < generated else self._real(index - generated)
-            )
+            self._items[index] = self._real(index) if index < len(self._windows) else self._generated(index)
         return self._items[index]
 
     def _generated(self, index: int) -> SuiteItem:
