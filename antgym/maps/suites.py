@@ -26,7 +26,7 @@ class SuiteItem(NamedTuple):
     """A scenario and the effort and rules it is planned with.
 
     Attributes:
-        name: suite, split and index, or window and rotation for real terrain; of one's own, any.
+        name: suite, split and number of what is generated, or window and rotation of real terrain; of one's own, any.
         scenario: what is planned.
         ants: ants per iteration.
         iterations: iterations per run.
@@ -99,7 +99,8 @@ class Suite(Sequence[SuiteItem]):
 
     def _item(self, index: int) -> SuiteItem:
         if index not in self._items:
-            self._items[index] = self._real(index) if index < len(self._windows) else self._generated(index)
+            real = len(self._windows)
+            self._items[index] = self._real(index) if index < real else self._generated(index - real)
         return self._items[index]
 
     def _generated(self, index: int) -> SuiteItem:

@@ -15,18 +15,18 @@ needs_matplotlib = pytest.mark.skipif(
     importlib.util.find_spec("matplotlib") is None, reason="matplotlib is absent"
 )
 DIGESTS = {
-    "mountain-v0": ("8d65ff2bce1256a4", "b2fffbedcc5e4123", "535c7146fef40893", "e7be8c3868023b22"),
-    "potential-field-v0": ("a1d8918db1e3dae8", "b7e7a182abc23a99", "31d1023a482decf1", "c5ee561c33862c8c"),
-    "room-v0": ("1b4be16eb54b0654", "fb7b6baa4ffff767", "a06b691a744881dc", "ad6dbb48a748a4c8"),
-    "pallet-v0": ("ccef443a4d25029c", "8fabfb96a6088e52", "341c4c95502a8c56", "c8c856972f7e21d9"),
-    "open-v0": ("d24ef892699f64e5", "6b245e08dce1951d", "c13f841fe1bf78d4", "44477eb312da7ec5"),
+    "mountain-v0": ("8d65ff2bce1256a4", "b2fffbedcc5e4123", "535c7146fef40893", "13a4ca42b75295c9"),
+    "potential-field-v0": ("a1d8918db1e3dae8", "b7e7a182abc23a99", "31d1023a482decf1", "91450621e4cf9caa"),
+    "room-v0": ("1b4be16eb54b0654", "fb7b6baa4ffff767", "a06b691a744881dc", "53a06421d6fb4c91"),
+    "pallet-v0": ("ccef443a4d25029c", "8fabfb96a6088e52", "341c4c95502a8c56", "d8af024c9c88d896"),
+    "open-v0": ("d24ef892699f64e5", "6b245e08dce1951d", "c13f841fe1bf78d4", "e9d2f8065b5b87f5"),
 }
 COUNTS = {
-    "mountain-v0": (200, 50, 100, 64),
-    "potential-field-v0": (200, 50, 100, 64),
-    "room-v0": (200, 50, 100, 64),
-    "pallet-v0": (200, 50, 100, 64),
-    "open-v0": (400, 100, 200, 80),
+    "mountain-v0": (200, 50, 100, 112),
+    "potential-field-v0": (200, 50, 100, 112),
+    "room-v0": (200, 50, 100, 112),
+    "pallet-v0": (200, 50, 100, 112),
+    "open-v0": (400, 100, 200, 104),
 }
 every_suite = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name == "open-v0" else name for name in SUITES]
