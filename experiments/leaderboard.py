@@ -6,10 +6,7 @@ The ledger in the folder is the result: the table and the page are computed from
 killed, goes on where it was when the same command is given again.
 """
 
-import hashlib
-import os
 import platform
-import subprocess
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,12 +22,12 @@ from antgym.console import main, progress
 from antgym.errors import LedgerError, ParameterError
 from antgym.kernels import sources_hash
 from antgym.maps.suites import SuiteItem, load_suite
-from antgym.planners.threads import thread_count
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed, prepare, problem, trained_argument
 from experiments.presets import PRESETS, Preset
+from experiments.provenance import code_hash, facts, file_hash
 
 AGENTS = (
     "uniform_random",
@@ -171,7 +168,7 @@ def run_board(arguments: Arguments) -> Path:
     suite = load_suite(SUITE, SPLIT)
     items = suite[: preset.scenarios]
     config = {
-        "sources": _sources(),
+        "sources": code_hash(),
         "preset": arguments.preset,
         **preset._asdict(),
         "suite": SUITE,
@@ -179,10 +176,10 @@ def run_board(arguments: Arguments) -> Path:
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
     }
-    with Ledger(arguments.out, config, _versions(arguments.agents), _facts()) as ledger:
+    with Ledger(arguments.out, config, _versions(arguments.agents), facts()) as ledger:
         trained = arguments.out / "trained"
         spent = prepare(trained, SUITE, preset, (*arguments.agents, STATIC))
-        ledger.pin({path.name: _digest(path) for path in sorted(trained.iterdir())})
+        ledger.pin({path.name: file_hash(path) for path in sorted(trained.iterdir())})
         contest = entrants(arguments.agents, trained, spent)
         todo = [job for job in jobs(contest, items, preset.seeds) if ledger.run(job.key).outcome is None]
         with progress(
@@ -202,40 +199,6 @@ def _versions(names: Sequence[str]) -> dict[str, str]:
     for name in names:
         found.update(agents.versions(name))
     return found
-
-
-def _sources() -> str:
-    """Return the hash of all code that decides a trial: a board goes on only with what it was begun with."""
-    root, digest = Path(__file__).parents[1], hashlib.sha256()
-    for folder in (Path(antgym.__file__).parent, root / "agents"):
-        for path in sorted(folder.rglob("*.py")):
-            digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-
-
-def _facts() -> dict[str, Any]:
-    return {"commit": _commit(), "cpu": _cpu(), "cores": os.cpu_count(), "threads": thread_count()}
-
-
-def _commit() -> str:
-    here = Path(__file__).parent
-    done = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=here, capture_output=True, text=True, check=False
-    )
-    return done.stdout.strip() or "no git checkout"
-
-
-def _cpu() -> str:
-    path = Path("/proc/cpuinfo")
-    if path.exists():
-        for line in path.read_text().splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
 
 
 if __name__ == "__main__":
