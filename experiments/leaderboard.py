@@ -68,7 +68,7 @@ def run_board(arguments: Arguments) -> Path:
     suite = load_suite(SUITE, SPLIT)
     items = suite[: preset.scenarios]
     config = {
-        "sources": provenance.sources(),
+        "sources": provenance.code_hash(),
         "preset": arguments.preset,
         **preset._asdict(),
         "suite": SUITE,
@@ -80,7 +80,7 @@ def run_board(arguments: Arguments) -> Path:
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
         trained = arguments.out / "trained"
         spent = prepare(trained, SUITE, preset, (*arguments.agents, STATIC))
-        ledger.pin(provenance.digests(trained))
+        ledger.pin(provenance.file_hashes(trained))
         contest = enter(arguments.agents, trained, spent, references=(STATIC,))
         todo = list(jobs(contest, items, preset.seeds, [preset.budget]))
         with progress(

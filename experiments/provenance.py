@@ -1,4 +1,4 @@
-"""Provenance: the versions, code, files and machine behind a result."""
+"""Provenance: which code and which machine made a result, as what is kept of it says."""
 
 import hashlib
 import os
@@ -15,6 +15,33 @@ from antgym.kernels import sources_hash
 from antgym.planners.threads import thread_count
 
 
+def code_hash(*more: Path) -> str:
+    """Return the hash of all code that decides a trial: what was begun with it goes on with nothing else.
+
+    Args:
+        more: files that decide this result beside those of antgym and agents.
+    """
+    root, digest = Path(__file__).parents[1], hashlib.sha256()
+    paths = [
+        path
+        for folder in (Path(antgym.__file__).parent, root / "agents")
+        for path in sorted(folder.rglob("*.py"))
+    ]
+    for path in (*paths, *more):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def file_hash(path: Path) -> str:
+    """Return the hash of a file's content, 16 hexadecimal digits."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+
+
+def file_hashes(folder: Path) -> dict[str, str]:
+    """Return the hashes of the files in a folder by name."""
+    return {path.name: file_hash(path) for path in sorted(folder.iterdir())}
+
+
 def versions(names: Iterable[str]) -> dict[str, str]:
     """Return the versions that the results of some agents depend on."""
     found = {"antgym": antgym.__version__, "kernels": sources_hash(), "python": platform.python_version()}
@@ -24,24 +51,8 @@ def versions(names: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def sources() -> str:
-    """Return the hash of all code that decides a trial: a contest goes on only with what it was begun with."""
-    root, digest = Path(__file__).parents[1], hashlib.sha256()
-    for folder in (Path(antgym.__file__).parent, root / "agents"):
-        for path in sorted(folder.rglob("*.py")):
-            digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def digests(folder: Path) -> dict[str, str]:
-    """Return the hashes of the artefacts in a folder by name."""
-    return {
-        path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in sorted(folder.iterdir())
-    }
-
-
 def facts() -> dict[str, Any]:
-    """Return what a reader of a contest wants to know of where it was run."""
+    """Return commit, CPU, cores and planner threads."""
     return {"commit": _commit(), "cpu": _cpu(), "cores": os.cpu_count(), "threads": thread_count()}
 
 

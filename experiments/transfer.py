@@ -94,12 +94,12 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
             name: getattr(arguments, name)
             for name in ("suite", "split", "seeds", "budgets", "fresh", "agents")
         },
-        "sources": provenance.sources(),
+        "sources": provenance.code_hash(),
         "maps": [item.scenario.digest[:16] for item in items],
     }
     versions = provenance.versions(arguments.agents)
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
-        ledger.pin(provenance.digests(arguments.artefacts))
+        ledger.pin(provenance.file_hashes(arguments.artefacts))
         todo = list(jobs(contest, items, arguments.seeds, arguments.budgets))
         with progress("transfer", len(todo)) as advance:
             play(todo, ledger, arguments.fresh, advance)

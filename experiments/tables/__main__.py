@@ -25,4 +25,7 @@ def script() -> None:
 
 
 if __name__ == "__main__":
-    main(script, interrupted="interrupted; nothing was written")
+    main(
+        script,
+        interrupted="interrupted; nothing was written but finished draws of liu2020, which goes on from them",
+    )

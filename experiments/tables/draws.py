@@ -10,12 +10,12 @@ from experiments.artefacts import derived_seed
 
 
 def draw(
-    paper: str, count: int, family: str, size: int, wanted: Callable[[Scenario], bool]
+    paper: str, count: int, family: str, size: int, wanted: Callable[[Scenario], bool], first: int = 1
 ) -> list[Scenario]:
-    """Return maps 1 to ``count`` of a paper, each the first of its own seed that is wanted."""
+    """Return ``count`` maps of a paper from map ``first`` on, each the first of its own seed that is wanted."""
     return [
         _first(np.random.default_rng(derived_seed(paper, "map", i)), family, size, wanted)
-        for i in range(1, count + 1)
+        for i in range(first, first + count)
     ]
 
 
