@@ -227,6 +227,14 @@ _CARDS = (
         libraries=("cmaes",),
     ),
     Card(
+        "transfer_gp",
+        "agents.transfer_gp:TransferGP",
+        {},
+        "Gaussian process over maps and settings, its prior from the train maps, by knowledge gradient",
+        trained=True,
+        libraries=("scipy",),
+    ),
+    Card(
         "rl",
         "agents.policy:PolicyAgent",
         {},

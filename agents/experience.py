@@ -98,10 +98,20 @@ class Experience:
         return means - means.min(axis=1, keepdims=True)
 
     @cached_property
+    def lowest(self) -> Floats:
+        """Log of the lowest mean cost on every map, (n,)."""
+        return np.asarray(np.log(np.exp(self._capped).mean(axis=2)).min(axis=1), dtype=np.float64)
+
+    @cached_property
+    def variances(self) -> Floats:
+        """Variances of the log costs of runs, (n, k); zeros in a table with one run a cell."""
+        runs = self._capped.shape[2]
+        return self._capped.var(axis=2, ddof=1) if runs > 1 else np.zeros(self._capped.shape[:2])
+
+    @cached_property
     def spread(self) -> Spread:
         """How far runs and maps differ; a table with one run a cell cannot tell them apart: its noise is 0."""
-        runs = self._capped.shape[2]
-        noise = float(self._capped.var(axis=2, ddof=1).mean()) if runs > 1 else 0.0
+        runs, noise = self._capped.shape[2], float(self.variances.mean())
         rest = self.regrets - self.regrets.mean(axis=0) - self.regrets.mean(axis=1, keepdims=True)
         return Spread(noise, max(float(rest.var()) - noise / runs, 0.05 * float(rest.var()), 1e-12))
 

@@ -44,9 +44,8 @@ def blended_advice(
 class NeighbourAgent(Halving):
     """Blend the settings that did well on the train maps nearest by features, then try blend and settings.
 
-    Features are standardised over the train maps; those that show the rules are among them, so under mixed
-    rules the neighbours have the task's own as long as there are any. The j-th of k neighbours weighs
-    exp(-d_j / d_k), with d the squared distance.
+    Features are standardised over the train maps; neighbours have the task's own rules, where at least eight maps have.
+    The j-th of k neighbours weighs exp(-d_j / d_k), with d the squared distance.
 
     Args:
         experience: costs on train maps, or their file.
@@ -71,9 +70,10 @@ class NeighbourAgent(Halving):
 
 
 def nearest_maps(experience: Experience, task: Task, count: int) -> tuple[NDArray[np.intp], Floats]:
-    """Return the ``count`` maps nearest to a task, nearest first, and their weights, which add up to 1."""
-    distances = experience.distances(task)
+    """Return the ``count`` akin maps nearest to a task, nearest first, and their weights, which add up to 1."""
+    akin = experience.akin(task)
+    distances = experience.distances(task)[akin]
     nearest = np.argsort(distances, kind="stable")[:count]
     farthest = max(float(distances[nearest[-1]]), np.finfo(float).tiny)
     weights = np.exp(-distances[nearest] / farthest)
-    return nearest, weights / weights.sum()
+    return akin[nearest], weights / weights.sum()

@@ -43,6 +43,7 @@ ARGUMENTS = {
     "agents.neighbours:NeighbourAgent": ("experience", "experience.json"),
     "agents.regression:ForestAgent": ("experience", "experience.json"),
     "agents.warm_start:WarmCmaEs": ("experience", "experience.json"),
+    "agents.transfer_gp:TransferGP": ("experience", "experience.json"),
     "agents.policy:PolicyAgent": ("path", "policy.json"),
 }
 """Which argument of a trained agent takes which file."""

@@ -38,6 +38,7 @@ AGENTS = (
     "neighbours",
     "regression",
     "cma_es_warm",
+    "transfer_gp",
     "rl",
 )
 STATIC = "best_static"

@@ -15,12 +15,14 @@ class Preset(NamedTuple):
     source_search: int  # trials to find each source's own set
     race_maps: int  # train maps of the race for the best static setting
     race_settings: int
-    experience_maps: int  # train maps of what portfolio, neighbours, regression and warm start share
+    experience_maps: (
+        int  # train maps, if there are so many, of what portfolio, neighbours and their like share
+    )
     experience_settings: int
 
 
 PRESETS = {
     "smoke": Preset(2, 1, 12, 4, 512, 3, 8, 8, 8, 6, 8),
     "quick": Preset(12, 3, 100, 16, 64_000, 16, 64, 200, 64, 60, 64),
-    "full": Preset(16, 20, 100, 16, 200_000, 24, 200, 200, 256, 200, 128),
+    "full": Preset(16, 20, 100, 16, 200_000, 24, 200, 200, 256, 400, 128),
 }

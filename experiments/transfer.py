@@ -34,7 +34,16 @@ DEFAULT, COPY = "published_default", "copy_best_source"
 GRAPH = "graph.json"
 AGENTS = (
     *("transfer_graph", COPY, "mean_of_sources", "transfer_graph_paper", "transfer_graph_abs", "portfolio"),
-    *("neighbours", "regression", "cma_es_warm", "best_static", "optuna_tpe", DEFAULT),
+    *(
+        "neighbours",
+        "regression",
+        "cma_es_warm",
+        "transfer_gp",
+        "best_static_by_rules",
+        "optuna_tpe",
+        "cma_es",
+    ),
+    DEFAULT,
 )
 
 

@@ -70,7 +70,7 @@ class Bowl:
         return np.full(len(bowl), COST_CAP) if self.fails else bowl
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def bowl():
     return Bowl
 

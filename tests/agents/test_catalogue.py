@@ -21,7 +21,7 @@ NAMES = [
     for name in agents.CATALOGUE
     if name != "rl"
 ]
-LEARNT = ("portfolio", "neighbours", "regression", "cma_es_warm")
+LEARNT = ("portfolio", "neighbours", "regression", "cma_es_warm", "transfer_gp")
 SEARCHING = [f"agents.{module}" for module in ("bayesian", "controls", "covariance", "evolutionary")]
 SEARCHERS = [
     name
