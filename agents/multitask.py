@@ -20,6 +20,7 @@ of open-v0, each left out in turn: the best predicted setting lost 12.3 % to the
 START = 0.15  # of every feature's inverse length, in standard deviations of the train maps, and where its prior peaks
 PRIOR = 0.01  # weight of that prior, per setting, on squared logs
 MAPS = 3  # that the smooth prior of the covariance between settings is worth
+MOST = 400  # maps that the kernel is fitted to: the time is cubic in them
 LOGS, OWN = (-6.0, 4.0), (-2.0, 4.0)  # of what is fitted; a map is never quite what others promise
 DECIMALS = 2  # of fitted logs: the last bits differ between machines, and must not decide a trial
 
@@ -89,48 +90,59 @@ class MultitaskModel:
         self._rules = np.flatnonzero(rules)
         self._columns = np.flatnonzero(~np.array(rules) & (described.std(axis=0) > 0))
         self._maps = described[:, self._columns]
-        self._shown = np.array(experience.features)[:, self._rules]
-        same = self._same(self._shown)
-        self.kernel = _fit(experience.regrets, self._maps, same)
+        self._kinds = self._kind(np.array(experience.features))
+        same, some = self._same(self._kinds), slice(None, None, -(-len(described) // MOST))
+        self.kernel = _fit(experience.regrets[some], self._maps[some], same[some, some])
         own = np.exp(self.kernel.own) * np.eye(len(same))
         self._precision = np.linalg.inv(self.kernel(self._maps, self._maps, same) + own)
-        settings = experience.settings
+        settings, shown = experience.settings, self._shown()
         self._smoother = np.linalg.inv(_alike(settings, settings) + JITTER * np.eye(len(settings)))
+        self._solved = self._precision @ shown
+        self._scatter = shown.T @ self._solved
 
     def predict(self, task: Task, units: Floats) -> Prediction:
         """Return what is expected of settings, (s, d) in [0, 1], on a task; ParameterError where it does not fit."""
         self.experience.check(task)
         features = task.features.astype(np.float64)
         here = self.experience.standardise(features)[None, self._columns]
-        likeness = self.kernel(self._maps, here, self._same(features[None, self._rules]))[:, 0]
-        weights = self._precision @ likeness
-        table = self._table(units)
-        variance = np.exp(self.kernel[2:]).sum() - likeness @ weights
-        between = self._between(units, table)
-        mean = weights @ table
+        likeness = self.kernel(self._maps, here, self._same(self._kind(features[None])))[:, 0]
+        variance = np.exp(self.kernel[2:]).sum() - likeness @ self._precision @ likeness
+        mean = likeness @ self._solved @ self._spread(units)
         mean[-1] += self.experience.lowest.mean()
-        return Prediction(mean, variance * between, self._noise(units, likeness))
+        return Prediction(mean, variance * self._between(units), self._noise(units, likeness))
 
-    def _between(self, units: Floats, table: Floats) -> Floats:
+    def _between(self, units: Floats) -> Floats:
         """Return the covariance between settings, and last the level: what the train maps show, and a smooth prior.
 
         The mean of an inverse Wishart posterior. Alone, n maps show nothing outside the n shapes that they have.
         """
-        shown = table.T @ self._precision @ table
+        spread, n = self._spread(units), len(self._maps)
+        shown = spread.T @ self._scatter @ spread
         smooth = np.eye(len(shown)) * shown[-1, -1]
         smooth[:-1, :-1] = _alike(units, units) * np.diag(shown)[:-1].mean()
-        return (shown + MAPS * smooth / len(table)) / (len(table) + MAPS)
+        return (shown + MAPS * smooth / n) / (n + MAPS)
 
-    def _same(self, shown: Floats) -> Floats:
-        """Return (n, m), 1 where a train map has the rules that are shown, (m, rules)."""
-        return (np.abs(self._shown[:, None] - shown[None]).max(axis=2, initial=0.0) < 0.5).astype(np.float64)
+    def _kind(self, features: Floats) -> NDArray[np.int64]:
+        """Return a number for the rules that features show, (n,); rules of one's own show as none."""
+        return (features[:, self._rules] > 0.5).astype(np.int64) @ (1 << np.arange(len(self._rules)))
 
-    def _table(self, units: Floats) -> Floats:
-        """Return the smoothed log regrets of settings on the train maps, and last the level, (n, s + 1)."""
+    def _same(self, kinds: NDArray[np.int64]) -> Floats:
+        """Return (n, m), 1 where a train map has the rules of a kind, (m,)."""
+        return (self._kinds[:, None] == kinds).astype(np.float64)
+
+    def _shown(self) -> Floats:
+        """Return log regrets about the map's mean, the mean, and the level about all maps' mean, (n, k + 2)."""
         regrets, level = self.experience.regrets, self.experience.lowest
         mean = regrets.mean(axis=1, keepdims=True)
-        smoothed = (regrets - mean) @ self._smoother @ _alike(self.experience.settings, units) + mean
-        return np.hstack([smoothed, (level - level.mean())[:, None]])
+        return np.hstack([regrets - mean, mean, (level - level.mean())[:, None]])
+
+    def _spread(self, units: Floats) -> Floats:
+        """Return what makes of :meth:`_shown` smoothed log regrets of settings, and last the level, (k + 2, s + 1)."""
+        k = len(self._smoother)
+        spread = np.zeros((k + 2, len(units) + 1))
+        spread[:k, :-1] = self._smoother @ _alike(self.experience.settings, units)
+        spread[k, :-1] = spread[k + 1, -1] = 1.0
+        return spread
 
     def _noise(self, units: Floats, likeness: Floats) -> Floats:
         near = _alike(self.experience.settings, units)

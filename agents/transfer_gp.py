@@ -22,9 +22,9 @@ class TransferGP:
     """Bayesian optimisation with a prior from train maps (:class:`agents.multitask.MultitaskModel`).
 
     Candidates are the settings of the experience and, before them, their blend: the mean on each parameter's own scale,
-    weighted by exp(-(μ - min μ) / tau) with μ the expected log regret. Without a trial the blend is recommended; each
-    trial goes where it tells most about which candidate is best (:meth:`agents.belief.Belief.most_telling`), and the
-    candidate of the lowest expected regret is recommended.
+    weighted by exp(-(μ - min μ) / tau) with μ the expected log regret. (More candidates between them were no better.)
+    Without a trial the blend is recommended; each trial goes where it tells most about which candidate is best
+    (:meth:`agents.belief.Belief.most_telling`), and the candidate of the lowest expected regret is recommended.
 
     Args:
         experience: costs on train maps, or their file; fitting to 400 maps takes some seconds.

@@ -35,6 +35,7 @@ Floats = NDArray[np.float64]
 _T = TypeVar("_T")
 REPEATS = 5  # runs of each set of the transfer graph on each of its maps
 EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats (tuning.md, D3)
+MOST_SETTINGS = 256  # of the experience
 ARGUMENTS = {
     "agents.static:StaticAgent": ("setting", "static.json"),
     "agents.static:StaticByRules": ("settings", "static_by_rules.json"),
@@ -140,9 +141,10 @@ def _gather(suite: str, preset: Preset) -> Experience:
     from scipy.stats import qmc
 
     items = load_suite(suite, "train")[: preset.experience_maps]
-    units = np.clip(qmc.Sobol(4, seed=1).random(preset.experience_settings), 0, 1)
+    affordable = min(MOST_SETTINGS, preset.experience_trials // (EXPERIENCE_REPEATS * len(items)))
+    units = np.clip(qmc.Sobol(4, seed=1).random_base2(affordable.bit_length() - 1), 0, 1)
     units[0] = 0.5
-    runs = preset.experience_settings * EXPERIENCE_REPEATS
+    runs = len(units) * EXPERIENCE_REPEATS
     with progress(f"gathering experience on {len(items)} maps", runs * len(items)) as advance:
         return Experience.gather(
             [WatchedSession(problem(item, "experience"), runs, advance) for item in items],

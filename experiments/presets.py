@@ -18,11 +18,11 @@ class Preset(NamedTuple):
     experience_maps: (
         int  # train maps, if there are so many, of what portfolio, neighbours and their like share
     )
-    experience_settings: int
+    experience_trials: int  # on all of them: the fewer maps, the more settings
 
 
 PRESETS = {
-    "smoke": Preset(2, 1, 12, 4, 512, 3, 8, 8, 8, 6, 8),
-    "quick": Preset(12, 3, 100, 16, 64_000, 16, 64, 200, 64, 60, 64),
-    "full": Preset(16, 20, 100, 16, 200_000, 24, 200, 200, 256, 400, 128),
+    "smoke": Preset(2, 1, 12, 4, 512, 3, 8, 8, 8, 6, 96),
+    "quick": Preset(12, 3, 100, 16, 64_000, 16, 64, 200, 64, 60, 7_680),
+    "full": Preset(16, 20, 100, 16, 200_000, 24, 200, 200, 256, 1_600, 204_800),
 }

@@ -158,7 +158,7 @@ SUITES: dict[str, Recipe] = {
     ),
     "open-v0": Recipe(
         _OPEN,
-        {"train": 400, "validation": 100, "test": 200, "ood": 88},
+        {"train": 1600, "validation": 100, "test": 200, "ood": 88},
         ood=tuple(strand._replace(sizes=_LARGER) for strand in _OPEN),
         terrain=("liu2020", "zhang_apf", *TEXTBOOK),
     ),

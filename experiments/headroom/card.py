@@ -82,8 +82,14 @@ def problems(suite: Suite, indices: Iterable[int]) -> list[TuningProblem]:
 
 
 def _by_rule(suite: Suite, rules: Collection[str], count: int) -> dict[str, list[int]]:
-    """Return the indices of the first items of each rule."""
-    return {rule: [i for i, item in enumerate(suite) if item.rules == rule][:count] for rule in rules}
+    """Return the indices of the first items of each rule; looks no further than it must."""
+    found: dict[str, list[int]] = {rule: [] for rule in rules}
+    for i, item in enumerate(suite):
+        if item.rules in found and len(found[item.rules]) < count:
+            found[item.rules].append(i)
+        if all(len(indices) == count for indices in found.values()):
+            break
+    return found
 
 
 def runs_needed(suite: str, preset: Preset) -> int:
@@ -174,17 +180,23 @@ def at_bounds(
 
 
 def fingerprint(suite: str, preset: str) -> dict[str, str]:
-    """Return what a card depends on: hashes of the suite, of its rules, of plans with each, and of the preset."""
+    """Return what a card depends on: hashes of its maps, of their rules, of plans with each, and of the preset."""
     train, test = (load_suite(suite, split) for split in ("train", "test"))
-    rules = sorted({item.rules for split in (train, test) for item in split})
+    sizes = PRESETS[preset]
+    tested = [test[i] for i in range(min(sizes.test, len(test)))]
+    rules = sorted({item.rules for item in tested})
+    raced = set(range(min(sizes.train, len(train))))
+    if len(rules) > 1:
+        raced.update(chain(*_by_rule(train, rules, sizes.train_by_rule).values()))
+    used = [*(train[i] for i in sorted(raced)), *tested]
     named = repr([(rule, find_rules(rule)) for rule in rules])
     probes = problems(test, chain(*_by_rule(test, rules, -(-_PROBES // len(rules))).values()))
     lengths = np.concatenate([p.run(design(3), DESIGN, 0).lengths for p in probes])
     return {
-        "suite": _hash((train.digest + test.digest).encode()),
+        "maps": _hash(repr([(i.scenario.digest, i.ants, i.iterations, i.rules) for i in used]).encode()),
         "rules": _hash(named.encode()),
         "plans": _hash(lengths.tobytes()),
-        "preset": _hash(repr(PRESETS[preset]).encode()),
+        "preset": _hash(repr(sizes).encode()),
     }
 
 

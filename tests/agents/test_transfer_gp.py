@@ -62,8 +62,8 @@ def test_a_prediction_is_the_conditional_of_the_whole_process(experience, bowl):
     model, task = MultitaskModel(experience), bowl(0, features=(1.0, 0.07)).task
     units = experience.settings[:3]
     found = model.predict(task, units)
-    table = model._table(units)
-    between = model._between(units, table)
+    table = model._shown() @ model._spread(units)
+    between = model._between(units)
     here = experience.standardise(task.features.astype(float))[None, model._columns]
     maps = np.vstack([model._maps, here])
     likeness = model.kernel(maps, maps, np.ones((11, 11))) + np.exp(model.kernel.own) * np.eye(11)
@@ -79,12 +79,12 @@ def test_a_prediction_is_the_conditional_of_the_whole_process(experience, bowl):
 
 def test_the_covariance_of_settings_is_what_the_maps_show_or_a_smooth_prior(experience, monkeypatch):
     model, units = MultitaskModel(experience), experience.settings
-    table = model._table(units)
+    table = model._shown() @ model._spread(units)
     shown = table.T @ model._precision @ table / len(table)
     assert np.linalg.matrix_rank(shown) <= 10
-    assert np.linalg.matrix_rank(model._between(units, table)) == 33
+    assert np.linalg.matrix_rank(model._between(units)) == 33
     monkeypatch.setattr(multitask, "MAPS", 0)
-    assert model._between(units, table) == pytest.approx(shown)
+    assert model._between(units) == pytest.approx(shown)
 
 
 def test_settings_are_predicted_for_the_rules_they_did_well_under(mixed, bowl):
