@@ -27,7 +27,7 @@ _Ints = NDArray[np.int64]
 
 
 class _Rims(NamedTuple):
-    """Start, goal and discs as circles: (n,) arrays, start and goal first with radius 0."""
+    """Start, goal and discs as circles seen from the start: (n,) arrays, start and goal first with radius 0."""
 
     x: Floats
     y: Floats
@@ -78,7 +78,7 @@ def shortest_path(scenario: DiscScenario) -> Floats:
             turn = (angles[i + 1] - angles[i] + np.pi) % (2 * np.pi) - np.pi
         steps = np.arange(max(int(np.ceil(abs(turn) / CHORD)), 1)) * CHORD * np.sign(turn)
         parts.append(rims.at(np.full(len(steps), circle), angles[i] + steps))
-    return np.concatenate(parts)
+    return np.concatenate(parts) + scenario.start
 
 
 class _Found(NamedTuple):
@@ -98,7 +98,9 @@ def _search(scenario: DiscScenario) -> _Found:
             "leave out those that lie inside others or far away"
         )
     ends = np.array([(*scenario.start, 0.0), (*scenario.goal, 0.0)])
-    x, y, radius = np.concatenate([ends, grown]).T
+    # as seen from the start: a small world far from the origin would lose digits
+    x, y, radius = (np.concatenate([ends, grown]) - (*scenario.start, 0.0)).T
+    bounds = np.array(scenario.world.bounds) - np.repeat(scenario.start, 2)
     rims = _Rims(x, y, radius, TOLERANCE * max(float(np.ptp(x)), float(np.ptp(y)), float(radius.max())))
     by_way_of = np.hypot(x - x[0], y - y[0]) + np.hypot(x - x[1], y - y[1]) - 2 * radius
     found = None
@@ -106,7 +108,7 @@ def _search(scenario: DiscScenario) -> _Found:
         # once there is a path, the shortest one is no longer
         reach = times * scenario.straight_line if found is None else found.length
         near = by_way_of <= reach + rims.slack
-        found = _shortest(scenario.world.bounds, _Rims(x[near], y[near], radius[near], rims.slack))
+        found = _shortest(bounds, _Rims(x[near], y[near], radius[near], rims.slack))
         if found is not None and (found.length <= reach or near.all()):
             return found
         if near.all():
@@ -117,7 +119,7 @@ def _search(scenario: DiscScenario) -> _Found:
     )
 
 
-def _shortest(bounds: tuple[float, float, float, float], rims: _Rims) -> _Found | None:
+def _shortest(bounds: Floats, rims: _Rims) -> _Found | None:
     """Return the shortest path past these discs alone, None where they leave none."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import dijkstra
@@ -166,8 +168,8 @@ def _tangents(rims: _Rims) -> _Lines:
     return _Lines(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
-def _within(lines: _Lines, bounds: tuple[float, float, float, float], slack: float) -> _Lines:
-    low, high = np.array(bounds[::2]) - slack, np.array(bounds[1::2]) + slack
+def _within(lines: _Lines, bounds: Floats, slack: float) -> _Lines:
+    low, high = bounds[::2] - slack, bounds[1::2] + slack
     points = np.stack([lines.begin, lines.end], axis=1)
     return lines.only(np.asarray(((points >= low) & (points <= high)).all(axis=(1, 2))))
 
@@ -203,9 +205,7 @@ def _knots(rims: _Rims) -> Floats:
     return np.column_stack([x, y, np.full(len(x), 10 * rims.slack)])
 
 
-def _arcs(
-    bounds: tuple[float, float, float, float], rims: _Rims, circle: _Ints, angle: Floats
-) -> tuple[_Ints, _Ints, Floats]:
+def _arcs(bounds: Floats, rims: _Rims, circle: _Ints, angle: Floats) -> tuple[_Ints, _Ints, Floats]:
     """Return the arcs between neighbouring points of contact: both nodes and the length of each.
 
     Where another disc covers some of a rim, or the rim leaves the bounds, no point of contact lies there: that piece
@@ -245,7 +245,7 @@ def _shorter_of_two(one: _Ints, other: _Ints, lengths: Floats) -> tuple[_Ints, _
     return low[kept], high[kept], lengths[kept]
 
 
-def _covered(bounds: tuple[float, float, float, float], rims: _Rims) -> list[tuple[_Ints, Floats]]:
+def _covered(bounds: Floats, rims: _Rims) -> list[tuple[_Ints, Floats]]:
     """Return circles and one angle each within every piece of their rims that cannot be walked along."""
     one, other = (part + 2 for part in np.nonzero(~np.eye(len(rims.x) - 2, dtype=np.bool_)))
     dx, dy = rims.x[other] - rims.x[one], rims.y[other] - rims.y[one]

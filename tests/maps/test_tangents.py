@@ -102,6 +102,18 @@ def test_mirrored_scaled_or_backwards_it_is_as_long(scenario, turn, scale):
     assert other.optimum == pytest.approx(scenario.optimum * scale, rel=1e-8)
 
 
+def test_a_small_world_far_from_the_origin_keeps_its_digits():
+    """Coordinates are spaced 1e-10 apart there, a hundredth of what the world's extent forgives at the origin."""
+    near = scattered(3, 6)
+    world, shift = near.world, np.array([-1e6, 2e6])
+    discs = np.column_stack([world.discs[:, :2] / 1000 + shift, world.discs[:, 2] / 1000])
+    bounds = np.array(world.bounds) / 1000 + np.repeat(shift, 2)
+    start, goal = (np.array(end) / 1000 + shift for end in (near.start, near.goal))
+    assert Scenario(DiscWorld(discs, bounds), start, goal).optimum == pytest.approx(
+        near.optimum / 1000, rel=1e-6
+    )
+
+
 @settings(max_examples=40, deadline=None)
 @given(scenario=disc_scenarios())
 def test_the_path_is_as_long_as_the_optimum_says_and_hardly_cuts_a_disc(scenario):
