@@ -252,6 +252,16 @@ def test_as_printed_bees_hardly_mind_collisions():
     assert max(solved["wu2018-paper"], solved["wu2018-basic-paper"]) <= 12
 
 
+def test_where_every_way_is_closed_no_bee_arrives():
+    found = plan(
+        among(*[(x, 10 - x, 1.0) for x in range(11)]), (40, 1, 1), rules="abc_standard", iterations=200
+    )
+    assert (found.solved, found.status, found.length) == (False, "no bee arrived", np.inf)
+    assert (found.best == np.inf).all()
+    assert (found.mean == np.inf).all()
+    assert found.path.shape == (14, 2)  # the one that touches least
+
+
 def test_two_hundred_discs_and_none_are_both_flown_through():
     for count in (0, 200):
         scenario = DISC_FAMILIES["scatter"](np.random.default_rng(1), count)
