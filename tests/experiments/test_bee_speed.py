@@ -12,6 +12,7 @@ def test_a_peer_that_is_absent_says_how_to_get_it(monkeypatch, capsys):
     for package in ("mealpy", "beecolpy"):
         monkeypatch.setitem(sys.modules, package, None)
     monkeypatch.setattr(bee_speed, "CYCLES", 3)
+    monkeypatch.setattr(bee_speed, "plain_port", lambda scenario: lambda seed: 1)  # compiles for seconds
     rows = bee_speed.run(bee_speed.Arguments(repeats=1))
     skipped = {row["code"]: row["skipped"] for row in rows if row["skipped"]}
     assert set(skipped) == {"mealpy", "beecolpy"}
