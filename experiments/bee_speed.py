@@ -133,8 +133,7 @@ def plain_hive(
 
 def our_bees(name: str, scenario: DiscScenario) -> Work:
     """Return a turn of one rule at its published setting."""
-    rules = BEE_PAPERS[name]
-    setting = rules.ranges.space(BEES, rules.points, scenario.world.width, rules.tabu > 0).default
+    setting = BEE_PAPERS[name].space(BEES, scenario.world.width).default
     return lambda seed: plan(scenario, setting, rules=name, ants=BEES, iterations=CYCLES, seed=seed).moves
 
 

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 from antgym.errors import ParameterError, nearest
 from antgym.planners.parameters import BeeRanges
+from antgym.planners.space import ParameterSpace
 
 
 class BeeRules(NamedTuple):
@@ -45,6 +46,10 @@ class BeeRules(NamedTuple):
     hit: float = 10.0
     ranges: BeeRanges = BeeRanges()
     source: str = "wu2018 (7)-(10)"
+
+    def space(self, bees: int, width: float) -> ParameterSpace:
+        """Return the space of natural values for so many bees in a world so wide; three numbers without a tabu list."""
+        return self.ranges.space(bees, self.points, width, self.tabu > 0)
 
 
 # limit 40 is a twelfth of sources × dimensions, 20 × 24; the radius of 1 cm is taken in worlds 40 cm wide; the length

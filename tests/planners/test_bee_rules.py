@@ -14,8 +14,7 @@ from antgym.planners.rules import PAPERS
 
 
 def space_of(name, bees=40, width=40.0):
-    rules = BEE_PAPERS[name]
-    return rules.ranges.space(bees, rules.points, width, rules.tabu > 0)
+    return BEE_PAPERS[name].space(bees, width)
 
 
 @pytest.mark.parametrize("name", BEE_PAPERS)

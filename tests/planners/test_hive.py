@@ -178,8 +178,8 @@ def test_where_no_clearance_is_asked_for_the_best_never_gets_longer(scenario, na
 
 @pytest.mark.parametrize("name", SOUND)
 def test_every_sound_rule_comes_near_the_optimum_of_an_easy_world(name):
-    scenario, rules = among((5, 5, 1.5)), BEE_PAPERS[name]
-    setting = rules.ranges.space(40, rules.points, scenario.world.width, rules.tabu > 0).default
+    scenario = among((5, 5, 1.5))
+    setting = BEE_PAPERS[name].space(40, scenario.world.width).default
     plans = plan_many([scenario] * 9, [setting] * 9, rules=name, ants=40, iterations=1000, seeds=range(9))
     assert np.median(plans.lengths) < 1.03 * scenario.optimum
 
