@@ -1,10 +1,10 @@
 """The bee kernel: one hive for every rule, over paths of way-points among discs.
 
-Why it looks as it does (each measured in ``experiments/speed.py``):
+Why it looks as it does (``experiments/bee_speed.py`` measures it):
 
 * A bee moves one coordinate of one way-point, so two segments change; what the others add up to is kept per source.
 * A candidate whose length alone, with what is known of the untouched segments, costs as much as its source already is
-  never held against the discs: all further costs only add. Most candidates end there. The decision is the same, for
+  never held against the discs: all further costs only add. Many candidates end there. The decision is the same, for
   rounding is monotone.
 * The discs are looked at four at a time, without a branch.
 

@@ -48,7 +48,8 @@ def cost(run, length, gap, hits):
     """Return f of a path: its length, smallest clearance and number of segments that touch a disc.
 
     Sound: (4) without the aim, over the straight line; every part only adds. As printed: (6) names fit itself, and the
-    positive root of that equation is taken; at contact, where it is undefined, its limit at clearance 0.
+    larger root of that equation is taken; where it has none, which takes an aim below 0, the real part of its roots; at
+    contact, where it is undefined, its limit at clearance 0.
     """
     if not run.printed:
         shortfall = run.safe - gap if gap < run.safe else 0.0
@@ -61,7 +62,8 @@ def cost(run, length, gap, hits):
     b = d * way - 1.0
     inside = b * b + 4.0 * d * both
     root = np.sqrt(inside) if inside > 0.0 else 0.0
-    return (b + root) / (2.0 * d) if b > 0.0 else 2.0 * both / (root - b)
+    # the same number twice, without the cancellation that small d or small b would bring
+    return (b + root) / (2.0 * d) if b > 0.0 or inside <= 0.0 else 2.0 * both / (root - b)
 
 
 @kernel

@@ -240,6 +240,15 @@ def test_the_printed_cost_solves_the_equation_that_it_stands_in(length, gap, goa
     assert fit == pytest.approx(0.5 * length + 0.5 * p * aim, rel=1e-9)
 
 
+@settings(max_examples=60, deadline=None)
+@given(length=st.floats(1, 20), gap=st.floats(-1, 3))
+def test_where_the_printed_equation_has_no_root_the_cost_is_still_a_number(length, gap):
+    """An aim below 0, a goal to the lower left, rewards collisions; the print says so."""
+    scenario = among(safe_distance=2.0, start=(9, 9), goal=(1, 1))
+    run = Flights.of([scenario], [(9, 1, 1, 1)], "wu2018-paper", 4, 1, [0]).runs[0]
+    assert abs(cost(run, length, gap, 0.0)) < 100
+
+
 def test_as_printed_bees_hardly_mind_collisions():
     scenarios = [DISC_FAMILIES["wu2018"](np.random.default_rng(i), 20) for i in range(20)]
     solved = {}

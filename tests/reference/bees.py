@@ -87,8 +87,9 @@ class Twin:
             return way + (1.0 - rules.weight) * aim
         d, both = max(gap, 0.0), way + (1.0 - rules.weight) * (safe + 1.0) * aim
         b = d * way - 1.0
-        root = math.sqrt(max(b * b + 4.0 * d * both, 0.0))
-        return (b + root) / (2.0 * d) if b > 0.0 else 2.0 * both / (root - b)
+        inside = b * b + 4.0 * d * both
+        root = math.sqrt(max(inside, 0.0))
+        return (b + root) / (2.0 * d) if b > 0.0 or inside <= 0.0 else 2.0 * both / (root - b)
 
     def coordinate(self, s, bits):
         """Axis, way-point and another source."""
