@@ -10,13 +10,18 @@ from antgym.errors import AntgymError
 
 if TYPE_CHECKING:
     from antgym.envs.vector import env_seeds
+    from antgym.maps.discs import DiscWorld
     from antgym.maps.motion import Motion
     from antgym.maps.readers import jacksboro, read_heights
+    from antgym.maps.scenes import read_discs
     from antgym.maps.shaping import fill_missing, voxelise
     from antgym.maps.suites import SuiteItem, load_suite
     from antgym.maps.world import GridWorld, Scenario
-    from antgym.planners.colony import Colony, plan, plan_many
-    from antgym.planners.parameters import ColonyParameters
+    from antgym.planners.bee_rules import BeeRules
+    from antgym.planners.colony import Colony
+    from antgym.planners.hive import Hive
+    from antgym.planners.parameters import BeeParameters, ColonyParameters
+    from antgym.planners.planning import plan, plan_many
     from antgym.planners.rules import Rules
     from antgym.tuning.agent import tune, tune_together
     from antgym.tuning.problem import TuningProblem
@@ -25,9 +30,13 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "BeeParameters": "antgym.planners.parameters",
+    "BeeRules": "antgym.planners.bee_rules",
     "Colony": "antgym.planners.colony",
     "ColonyParameters": "antgym.planners.parameters",
+    "DiscWorld": "antgym.maps.discs",
     "GridWorld": "antgym.maps.world",
+    "Hive": "antgym.planners.hive",
     "Motion": "antgym.maps.motion",
     "Rules": "antgym.planners.rules",
     "Scenario": "antgym.maps.world",
@@ -38,8 +47,9 @@ _HOMES = {
     "fill_missing": "antgym.maps.shaping",
     "jacksboro": "antgym.maps.readers",
     "load_suite": "antgym.maps.suites",
-    "plan": "antgym.planners.colony",
-    "plan_many": "antgym.planners.colony",
+    "plan": "antgym.planners.planning",
+    "plan_many": "antgym.planners.planning",
+    "read_discs": "antgym.maps.scenes",
     "read_heights": "antgym.maps.readers",
     "tune": "antgym.tuning.agent",
     "tune_together": "antgym.tuning.agent",
@@ -48,9 +58,13 @@ _HOMES = {
 
 __all__ = [
     "AntgymError",
+    "BeeParameters",
+    "BeeRules",
     "Colony",
     "ColonyParameters",
+    "DiscWorld",
     "GridWorld",
+    "Hive",
     "Motion",
     "Rules",
     "Scenario",
@@ -63,6 +77,7 @@ __all__ = [
     "load_suite",
     "plan",
     "plan_many",
+    "read_discs",
     "read_heights",
     "tune",
     "tune_together",

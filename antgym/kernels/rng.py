@@ -13,6 +13,7 @@ _MIX1, _MIX2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _S30, _S27, _S31 = np.uint64(30), np.uint64(27), np.uint64(31)
 _HIGH, _LOW_MASK = np.uint64(41), np.uint64(0x7FFFFF)
 _SCALE = np.float32(2.0**-23)
+_S11, _S32, _SCALE53 = np.uint64(11), np.uint64(32), np.float64(2.0**-53)
 
 
 @inlined
@@ -42,3 +43,15 @@ def high_uniform(bits: np.uint64) -> np.float32:
 def low_uniform(bits: np.uint64) -> np.float32:
     """Return a float32 in [0, 1 - 2^-23] from the lower bits, independent of :func:`high_uniform`."""
     return np.float32(np.int32(bits & _LOW_MASK)) * _SCALE
+
+
+@inlined
+def unit(bits: np.uint64) -> np.float64:
+    """Return a float64 in [0, 1 - 2^-53]; times any total it rounds to less than the total."""
+    return np.float64(np.int64(bits >> _S11)) * _SCALE53
+
+
+@inlined
+def below(bits: np.uint64, count: int) -> np.int64:
+    """Return a whole number in [0, count) from 32 random bits, for 1 <= count < 2^31."""
+    return np.int64((bits * np.uint64(count)) >> _S32)

@@ -2,7 +2,8 @@
 
 ``layered`` is the motion of liu2020: x advances one layer per move, y and z change by at most two cells, and the
 goal must stay within reach (two cells a layer), so that a move that can no longer arrive is not a candidate.
-``grid4`` and ``grid8`` are the neighbours of a flat world, ``grid26`` those of a voxel world.
+``grid4`` and ``grid8`` are the neighbours of a flat world, ``grid26`` those of a voxel world. Among discs there are no
+cells: ``straight`` leads along straight segments between any points, and has no table of moves.
 """
 
 from dataclasses import dataclass
@@ -22,7 +23,8 @@ CORNERS = {
     "grid8": ("both", "one", "cut"),
     "grid26": ("both", "cut"),
 }
-"""Every motion and the corner rules it knows."""
+"""Every motion from cell to cell and the corner rules it knows."""
+_ALL = {**CORNERS, "straight": ("both",)}
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Motion:
 
     Attributes:
         name: ``"layered"``; ``"grid4"`` or ``"grid8"``, the four or eight neighbours in a world one cell high;
-            ``"grid26"``, all neighbours of a voxel.
+            ``"grid26"``, all neighbours of a voxel; ``"straight"``, among discs, along straight segments.
         check_segments: a layered move that skips a cell (|dy| or |dz| = 2) is legal only if the cells its
             straight segment crosses are free too. Off in ``liu2020-paper``, where only the end point is checked.
             No other motion can skip a cell.
@@ -48,10 +50,10 @@ class Motion:
     corners: str = "both"
 
     def __post_init__(self) -> None:
-        if self.name not in CORNERS:
-            raise ParameterError(f"motion {self.name!r} is unknown; {nearest(self.name, list(CORNERS))}")
-        if self.corners not in CORNERS[self.name]:
-            hint = nearest(str(self.corners), CORNERS[self.name])
+        if self.name not in _ALL:
+            raise ParameterError(f"motion {self.name!r} is unknown; {nearest(self.name, list(_ALL))}")
+        if self.corners not in _ALL[self.name]:
+            hint = nearest(str(self.corners), _ALL[self.name])
             raise ParameterError(
                 f"corners = {self.corners!r}: the {self.name} motion has no such rule; {hint}"
             )
@@ -69,13 +71,13 @@ class Motion:
         return self.name, self.check_segments if self.layered else self.corners
 
 
-LAYERED = Motion()
+LAYERED, STRAIGHT = Motion(), Motion("straight")
 MOTIONS = (
     LAYERED,
     Motion(check_segments=False),
     *(Motion(name, corners=rule) for name in list(CORNERS)[1:] for rule in CORNERS[name]),
 )
-"""Every motion rule that there is."""
+"""Every motion rule from cell to cell."""
 
 
 class MoveTable(NamedTuple):

@@ -2,31 +2,42 @@
 
 Lengths are float64 sums from the start on, one addition a move, as the ants add theirs. The optimum is the smallest
 such sum over all paths, so no plan is shorter, not even by one bit. It is within n · 2⁻⁵³ of the true length,
-relatively, for n moves. Layers are swept by dynamic programming; grids are searched by A*.
+relatively, for n moves. Layers are swept by dynamic programming; grids are searched by A*; among discs see
+:mod:`antgym.maps.tangents`.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import ScenarioError
-from antgym.maps.motion import REACH, Motion, move_table, step_lengths
+from antgym.maps import tangents
+from antgym.maps.motion import REACH, STRAIGHT, Motion, move_table, step_lengths
 from antgym.maps.world import PAD, Scenario
 
 _HEAP = 1 << 12  # entries to begin with; a heap that is too small is copied into one four times the size
 _RANKS = 1e4  # per longest move: sums of a million moves still round to within one rank
 
 
-def shortest_length(scenario: Scenario) -> float:
+def shortest_length(scenario: Scenario[Any, Any]) -> float:
     """Return the exact shortest length in world units; ScenarioError where no path exists."""
+    if scenario.motion == STRAIGHT:
+        return tangents.shortest_length(scenario)
     if scenario.motion.layered:
         return _sweep(scenario, np.empty((0, 0, 0), dtype=np.uint8))
     return _search(scenario)[0]
 
 
-def shortest_path(scenario: Scenario) -> NDArray[np.int64]:
-    """Return one shortest path, (n, 3) cell indices from start to goal; ScenarioError where none exists."""
+def shortest_path(scenario: Scenario[Any, Any]) -> NDArray[Any]:
+    """Return one shortest path from start to goal; ScenarioError where none exists.
+
+    On a grid, (n, 3) int64 cell indices; among discs, (n, 2) float64 points with arcs as chords of at most a degree,
+    which cut into discs by that much.
+    """
+    if scenario.motion == STRAIGHT:
+        return tangents.shortest_path(scenario)
     return _layered_path(scenario) if scenario.motion.layered else _grid_path(scenario)
 
 

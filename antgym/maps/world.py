@@ -1,24 +1,37 @@
-"""Worlds and scenarios: a 0/1 grid with a cell size, and a start and a goal in it under a motion rule."""
+"""Grid worlds and scenarios: a 0/1 grid with a cell size, and a start and a goal in any world under a motion rule."""
 
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import MapError, ScenarioError
 from antgym.maps.ends import checked_end, require_reach
-from antgym.maps.motion import LAYERED, REACH, Motion
+from antgym.maps.motion import LAYERED, Motion
+from antgym.maps.packing import PAD, is_binary, packed
 
 if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    from antgym.maps.discs import DiscWorld
     from antgym.maps.occupancy import Chart
 
+    # a plain Scenario is one of a grid
+    World = TypeVar("World", bound="GridWorld | DiscWorld", default="GridWorld")
+    Place = TypeVar("Place", bound="tuple[float, ...]", default="Cell")
+else:
+    from typing import TypeVar
+
+    World, Place = TypeVar("World"), TypeVar("Place")
+
+__all__ = ["MOST_CLEARED", "PAD", "Cell", "GridWorld", "Scenario"]
+
 MOST_CLEARED = 1 << 24  # cells: 256 × 256 × 256
-PAD = REACH  # blocked border cells on every side, so that no move needs a bounds check
 Cell = tuple[int, int, int]
 
 
@@ -48,7 +61,7 @@ class GridWorld:
         array = np.asarray(free)
         if array.ndim not in (2, 3) or array.size == 0:
             raise MapError(f"a world is a non-empty (nx, ny, nz) or (nx, ny) array, got shape {array.shape}")
-        if not _is_binary(array):
+        if not is_binary(array):
             raise MapError(
                 "a world holds only 0 (blocked) and 1 (free); threshold it first, or use voxelise()"
             )
@@ -58,7 +71,7 @@ class GridWorld:
         array = array.reshape(*array.shape[:2], -1)
         object.__setattr__(self, "cell", edges)
         object.__setattr__(self, "shape", array.shape)
-        object.__setattr__(self, "bits", _packed(array))
+        object.__setattr__(self, "bits", packed(array))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _from_bits, (self.bits, self.shape, self.cell)  # built anew, so that a copy is read-only too
@@ -107,6 +120,11 @@ class GridWorld:
         """Number of cells."""
         return math.prod(self.shape)
 
+    @property
+    def frame(self) -> str:
+        """Cells and their edges, as a scenario's digest has them."""
+        return f"{self.shape}{self.cell}"
+
     def is_free(self, cell: Sequence[int]) -> bool:
         """Whether one cell, given by indices within ``shape``, is free."""
         place = sum((i + PAD) * stride for i, stride in zip(cell, self.strides, strict=True))
@@ -138,16 +156,44 @@ class GridWorld:
         """Return the centres of cells, (..., 3) in world units, the corner of cell (0, 0, 0) at the origin."""
         return (np.asarray(cells, dtype=np.float64) + 0.5) * np.asarray(self.cell)
 
+    def checked_end(self, cell: Sequence[int], label: str) -> Cell:
+        """Return a start or goal as a cell; ScenarioError where it cannot be one."""
+        return checked_end(self, cell, label)
+
+    def checked_motion(self, motion: Motion, start: Cell, goal: Cell) -> Motion:
+        """Return a motion; ScenarioError where this world does not suit it, or the goal is out of its reach."""
+        if motion.layered:
+            require_reach(start, goal)
+        elif motion.name == "straight":
+            raise ScenarioError(
+                "the straight motion leads past discs, this world has cells; name a grid's motion"
+            )
+        elif motion.name != "grid26" and self.shape[2] != 1:
+            raise ScenarioError(
+                f"the {motion.name} motion needs a world one cell high, got {self.shape} cells; "
+                "take one level of it, free[:, :, z] (antgym plan: --levels 1), or the grid26 motion"
+            )
+        return motion
+
+    def contents(self) -> Iterator[bytes]:
+        """Yield all that is in this world, within what its ``frame`` says."""
+        for first in range(0, self.shape[0], 8):  # eight planes end on a byte
+            yield np.packbits(self.planes(first, min(first + 8, self.shape[0]))).tobytes()
+
 
 @dataclass(frozen=True, eq=False)
-class Scenario:
+class Scenario(Generic[World, Place]):
     """One planning question: a world, a start, a goal and the motion rule between them.
 
+    What a place is, the world says: a cell of a :class:`GridWorld`, a point of a
+    :class:`~antgym.maps.discs.DiscWorld`.
+
     Args:
-        world: the grid.
-        start: (x, y, z) cell indices, or (x, y) in a world one cell high; must be free.
+        world: the grid, or the discs.
+        start: (x, y, z) cell indices, or (x, y) in a world one cell high, which must be free; among discs (x, y) in
+            world units, clear of them.
         goal: likewise; under the layered motion in a later layer.
-        motion: the motion rule; the exact optimum is exact under it.
+        motion: the motion rule; the exact optimum is exact under it. Among discs there is only one: leave it out.
         name: how tables call it; agents never see it.
 
     Raises:
@@ -155,26 +201,22 @@ class Scenario:
             the motion is flat and the world is not.
     """
 
-    world: GridWorld
-    start: Cell
-    goal: Cell
+    world: World
+    start: Place
+    goal: Place
     motion: Motion = LAYERED
     name: str = "unnamed"
 
     def __post_init__(self) -> None:
         for label in ("start", "goal"):
-            object.__setattr__(self, label, checked_end(self.world, getattr(self, label), label))
+            object.__setattr__(self, label, self.world.checked_end(getattr(self, label), label))
         if self.start == self.goal:
-            raise ScenarioError(f"start and goal are the same cell {self.start}; choose two")
-        if self.motion.layered:
-            require_reach(self.start, self.goal)
-        elif self.motion.name != "grid26" and self.world.shape[2] != 1:
-            raise ScenarioError(
-                f"the {self.motion.name} motion needs a world one cell high, got {self.world.shape} cells; "
-                "take one level of it, free[:, :, z] (antgym plan: --levels 1), or the grid26 motion"
-            )
+            kind = "cell" if isinstance(self.world, GridWorld) else "point"
+            raise ScenarioError(f"start and goal are the same {kind} {self.start}; choose two")
+        motion = self.world.checked_motion(self.motion, cast("Any", self.start), cast("Any", self.goal))
+        object.__setattr__(self, "motion", motion)
 
-    def __reduce__(self) -> tuple[type["Scenario"], tuple[GridWorld, Cell, Cell, Motion, str]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         return Scenario, (self.world, self.start, self.goal, self.motion, self.name)
 
     @property
@@ -182,7 +224,7 @@ class Scenario:
         """Number of moves of every path under the layered motion; under any other, paths differ in it."""
         if not self.motion.layered:
             raise ScenarioError(f"the {self.motion.name} motion has no layers")
-        return self.goal[0] - self.start[0]
+        return int(self.goal[0] - self.start[0])
 
     @cached_property
     def straight_line(self) -> float:
@@ -196,19 +238,28 @@ class Scenario:
 
         return shortest_length(self)
 
+    @property
+    def _on_a_grid(self) -> "Scenario":
+        """This scenario, where its world is a grid."""
+        if not isinstance(self.world, GridWorld):
+            raise ScenarioError(
+                f"scenario {self.name!r} lies among discs and has no cells; this needs a GridWorld"
+            )
+        return cast("Scenario", self)
+
     @cached_property
     def mean_move(self) -> float:
         """Mean length of all moves between free cells of the world, in world units; 0 where there is none."""
         from antgym.maps.moves import mean_length
 
-        return mean_length(self)
+        return mean_length(self._on_a_grid)
 
     @cached_property
     def descriptors(self) -> NDArray[np.float32]:
         """The features of :func:`antgym.maps.features.describe`, computed once."""
         from antgym.maps.features import describe
 
-        descriptors = describe(self)
+        descriptors = describe(self._on_a_grid)
         descriptors.setflags(write=False)
         return descriptors
 
@@ -217,18 +268,18 @@ class Scenario:
         """What draws the down-sampled map of :func:`antgym.maps.occupancy.occupancy`, each picture once."""
         from antgym.maps.occupancy import Chart
 
-        return Chart(self.world, self.start, self.goal)
+        grid = self._on_a_grid
+        return Chart(grid.world, grid.start, grid.goal)
 
     @cached_property
     def digest(self) -> str:
         """Hash of everything that defines the question (name excluded), 64 hex digits."""
-        world = self.world
-        digest = hashlib.sha256(f"{world.shape}{world.cell}{self.start}{self.goal}{self.motion.key}".encode())
-        for first in range(0, world.shape[0], 8):  # eight planes end on a byte
-            digest.update(np.packbits(world.planes(first, min(first + 8, world.shape[0]))).tobytes())
+        digest = hashlib.sha256(f"{self.world.frame}{self.start}{self.goal}{self.motion.key}".encode())
+        for part in self.world.contents():
+            digest.update(part)
         return digest.hexdigest()
 
-    def with_motion(self, motion: Motion) -> "Scenario":
+    def with_motion(self, motion: Motion) -> "Scenario[World, Place]":
         """Return the same question under another motion rule."""
         return replace(self, motion=motion)
 
@@ -240,25 +291,3 @@ def _from_bits(bits: NDArray[np.uint8], shape: Cell, cell: tuple[float, float, f
     for name, value in (("cell", cell), ("shape", shape), ("bits", bits)):
         object.__setattr__(world, name, value)
     return world
-
-
-def _packed(free: NDArray[np.generic]) -> NDArray[np.uint8]:
-    """Return the bits of (nx, ny, nz) cells within blocked borders, eight planes at a time: they end on a byte."""
-    nx, ny, nz = (n + 2 * PAD for n in free.shape)
-    planes, parts = np.zeros((8, ny, nz), dtype=np.uint8), []
-    for first in range(0, nx, 8):
-        planes[:] = 0
-        low, high = max(first - PAD, 0), min(first - PAD + 8, nx - 2 * PAD)
-        if low < high:
-            at = low + PAD - first
-            planes[at : at + high - low, PAD:-PAD, PAD:-PAD] = free[low:high]
-        parts.append(np.packbits(planes[: nx - first].reshape(-1), bitorder="little"))
-    bits = np.concatenate(parts)
-    bits.setflags(write=False)
-    return bits
-
-
-def _is_binary(free: NDArray[np.generic]) -> bool:
-    if free.dtype == np.bool_ or free.dtype.kind == "u":  # no temporary arrays: worlds can be large
-        return bool(free.max() <= 1)
-    return bool(((free == 0) | (free == 1)).all())

@@ -1,1 +1,1 @@
-"""How a path is found: parameters, rules, and the colony; nobody above calls the ant kernels."""
+"""How a path is found: parameters, rules, the colony and the hive; nobody above calls their kernels."""

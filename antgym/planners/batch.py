@@ -14,11 +14,15 @@ from antgym.kernels import layout
 from antgym.kernels.ants import plan_range
 from antgym.kernels.layout import RUN, Ground, History
 from antgym.maps.motion import MOTIONS, REACH, move_table
-from antgym.maps.world import PAD, Scenario
+from antgym.maps.world import PAD, GridWorld, Scenario
 from antgym.planners.buffers import Workspace, grown
+from antgym.planners.effort import MOST_EFFORT, each_rules, effort, keys_of
 from antgym.planners.ground import pack
 from antgym.planners.parameters import check_parameters
+from antgym.planners.plans import Plan
 from antgym.planners.rules import TRAPS, Rules, find_rules
+
+__all__ = ["MOST_EFFORT", "Batch", "cells_of", "write_parameters"]
 
 _WORKSPACE = Workspace()
 _RECORD = np.dtype(
@@ -27,38 +31,6 @@ _RECORD = np.dtype(
 _FIRST_CELLS = 64  # of a path; a range of runs that finds longer ones gets room for more
 _ROWS: WeakKeyDictionary[Scenario, dict[str | Rules, bytes]] = WeakKeyDictionary()
 """Records of RUN made before, as long as their scenario is in use."""
-MOST_EFFORT = 1_000_000  # ants, or iterations
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """What one planner run found.
-
-    Attributes:
-        length: of the shortest path in world units; inf where no ant arrived.
-        path: (n + 1, 3) int64 cells from start to goal, n moves; (0, 3) where there is none.
-        best: (iterations,) float64, the shortest length so far.
-        mean: (iterations,) float64, mean length over the ants that arrived, inf where none did.
-        arrived: (iterations,) int64, how many did.
-        moves: moves that all ants made.
-    """
-
-    length: float
-    path: NDArray[np.int64]
-    best: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    arrived: NDArray[np.int64]
-    moves: int
-
-    @property
-    def solved(self) -> bool:
-        """Whether an ant arrived."""
-        return bool(np.isfinite(self.length))
-
-    @property
-    def status(self) -> str:
-        """``"solved"`` or ``"no ant arrived"``."""
-        return "solved" if self.solved else "no ant arrived"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,14 +60,14 @@ class Batch:
     ) -> "Batch":
         """Check everything once and pack it."""
         count = len(scenarios)
-        asked = _each_rules(rules, count)
+        asked = each_rules(rules, count)
         found = {rule: find_rules(rule) for rule in dict.fromkeys(asked)}
         each = [found[rule] for rule in asked]
         runs = _rows(scenarios, asked, each)
         ground = pack([scenario.world for scenario in scenarios], runs["z3"] > 0, runs)
         for name, values in (("ants", ants), ("iterations", iterations)):
-            runs[name] = _effort(name, values, count)
-        runs["key"] = _keys(seeds, count)
+            runs[name] = effort(name, values, count)
+        runs["key"] = keys_of(seeds, count)
         if count:
             naturals = check_parameters(parameters)
             if len(naturals) != count:
@@ -159,34 +131,6 @@ class Batch:
         )
 
 
-def _each_rules(rules: str | Rules | Sequence[str | Rules], count: int) -> list[str | Rules]:
-    if isinstance(rules, (str, Rules)):
-        return [rules] * count
-    if len(rules) != count:
-        raise ParameterError(f"{len(rules)} rules for {count} scenarios; give one, or one each")
-    return list(rules)
-
-
-def _effort(name: str, values: int | Sequence[int], count: int) -> NDArray[np.int64]:
-    array = np.asarray(values)
-    if array.size and (array.dtype.kind not in "iu" or (array < 1).any() or (array > MOST_EFFORT).any()):
-        raise ParameterError(f"{name} = {values}: whole numbers from 1 to {MOST_EFFORT:,} are needed")
-    if array.ndim and len(array) != count:
-        raise ParameterError(f"{len(array)} values of {name} for {count} scenarios; give one, or one each")
-    return np.broadcast_to(array, (count,)).astype(np.int64)
-
-
-def _keys(seeds: ArrayLike, count: int) -> NDArray[np.uint64]:
-    values = np.asarray(seeds)
-    if len(values.ravel()) != count:
-        raise ParameterError(f"{values.size} seeds for {count} scenarios")
-    if values.dtype != np.uint64:
-        for seed in np.asarray(seeds, dtype=object).ravel():
-            if not isinstance(seed, int | np.integer) or not 0 <= seed < 1 << 64:
-                raise ParameterError(f"seed = {seed!r}: must be a whole number in [0, 2^64)")
-    return np.asarray(seeds, dtype=np.uint64).ravel()
-
-
 @cache
 def _tables() -> NDArray[np.int64]:
     """Return (t, PARTS, WIDTH, 3): steps, required cells and either cells of every motion, padded with zeros."""
@@ -208,6 +152,11 @@ def _rows(scenarios: list[Scenario], asked: list[str | Rules], rules: list[Rules
             known = _ROWS[scenario] = {}
         row = known.get(name)
         if row is None:
+            if not isinstance(scenario.world, GridWorld):
+                called = repr(name) if isinstance(name, str) else "of ants"
+                raise ParameterError(
+                    f"rules {called} walk a grid, and {scenario.name!r} lies among discs; take rules of bees (wu2018)"
+                )
             row = known[name] = _row(scenario, rule)
         parts.append(row)
     return np.frombuffer(bytearray().join(parts), _RECORD)

@@ -1,7 +1,6 @@
-"""The colony: plans a scenario, or many at once, or some in blocks."""
+"""The colony: one run of ants that can be paused, steered and advanced together with others."""
 
-from collections.abc import Sequence
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,104 +10,16 @@ from antgym.kernels import layout
 from antgym.kernels.ants import begin
 from antgym.kernels.diagnosis import walk_block
 from antgym.maps.world import Scenario
-from antgym.planners.batch import Batch, Plan, cells_of, write_parameters
+from antgym.planners.batch import Batch, cells_of, write_parameters
 from antgym.planners.buffers import Buffers, fitted, grown, new_buffers
 from antgym.planners.diagnosis import Diagnosis
 from antgym.planners.parameters import ColonyParameters, check_parameters
+from antgym.planners.pausing import advance_together
+from antgym.planners.planning import plan, plan_many
+from antgym.planners.plans import Plan, Plans
 from antgym.planners.rules import Rules, find_rules
-from antgym.planners.threads import run_ranges
 
 __all__ = ["Colony", "Diagnosis", "Plan", "Plans", "advance_together", "plan", "plan_many"]
-
-
-class Plans:
-    """What many planner runs found: arrays over the runs, and each as a :class:`Plan` by index.
-
-    Attributes:
-        lengths: (B,) float64 in world units, inf where no ant arrived.
-        moves: (B,) int64, moves that all ants of a run made.
-        seeds: (B,) uint64, what each was planned with.
-    """
-
-    def __init__(self, batch: "Batch", first: int, last: int) -> None:
-        self._batch, self._first = batch, first
-        self.lengths = batch.lengths[first:last]
-        self.moves = batch.made[first:last]
-        self.seeds: NDArray[np.uint64] = batch.runs["key"][first:last]
-
-    def __len__(self) -> int:
-        return len(self.lengths)
-
-    @overload
-    def __getitem__(self, key: int) -> Plan: ...
-    @overload
-    def __getitem__(self, key: slice) -> "Plans": ...
-    def __getitem__(self, key: int | slice) -> "Plan | Plans":
-        if not isinstance(key, slice):
-            return self.plan(key)
-        first, last, step = key.indices(len(self))
-        if step != 1:
-            raise ParameterError(f"plans are sliced without a step, got {step}")
-        return Plans(self._batch, self._first + first, self._first + max(first, last))
-
-    def plan(self, index: int) -> Plan:
-        """Return one run."""
-        return self._batch.plan(self._first + range(len(self))[index])
-
-
-def plan(
-    scenario: Scenario,
-    parameters: ArrayLike,
-    *,
-    rules: str | Rules = "liu2020",
-    ants: int = 20,
-    iterations: int = 100,
-    seed: int = 0,
-) -> Plan:
-    """Plan one scenario.
-
-    Args:
-        scenario: what to plan.
-        parameters: (α, β, ρ, Q), natural values; see :class:`ColonyParameters`.
-        rules: name or data of the colony's rules.
-        ants: ants per iteration, ≥ 1.
-        iterations: iterations, ≥ 1.
-        seed: 0 ≤ seed < 2^64; the same seed gives the same plan on every machine and thread count.
-
-    Raises:
-        ParameterError: if a parameter, rule, effort or seed cannot be used.
-    """
-    values = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
-    plans = plan_many([scenario], values, rules=rules, ants=ants, iterations=iterations, seeds=[seed])
-    return plans.plan(0)
-
-
-def plan_many(
-    scenarios: Sequence[Scenario],
-    parameters: ArrayLike,
-    *,
-    rules: str | Rules | Sequence[str | Rules] = "liu2020",
-    ants: int | Sequence[int] = 20,
-    iterations: int | Sequence[int] = 100,
-    seeds: ArrayLike,
-) -> Plans:
-    """Plan B runs in one call, on ANTGYM_THREADS threads; run i is what ``plan`` gives for its arguments.
-
-    Args:
-        scenarios: B scenarios, in any mixture of sizes.
-        parameters: (B, 4) natural values (α, β, ρ, Q).
-        rules: one for all, or B.
-        ants: one for all, or B.
-        iterations: one for all, or B.
-        seeds: (B,) integers in [0, 2^64).
-
-    Raises:
-        ParameterError: if a parameter, rule, effort or seed cannot be used, or the counts differ.
-    """
-    batch = Batch.of(list(scenarios), parameters, rules, ants, iterations, seeds)
-    if len(batch.runs):
-        run_ranges(batch.plan_range, len(batch.runs))
-    return Plans(batch, 0, len(batch.runs))
 
 
 class Colony:
@@ -184,9 +95,13 @@ class Colony:
         """Iterations that can still be walked."""
         return self._iterations - self._done
 
+    def check(self, parameters: ArrayLike) -> NDArray[np.float64]:
+        """Return (k, 4) natural values; ParameterError where one cannot be used."""
+        return check_parameters(parameters)
+
     def advance(self, parameters: ArrayLike, iterations: int) -> None:
         """Walk some more iterations under (α, β, ρ, Q); ParameterError if more are asked for than are left."""
-        advance_together([self], check_parameters(parameters), [iterations])
+        advance_together([self], parameters, [iterations])
 
     def diagnosis(self) -> Diagnosis:
         """Return how the run stands after its last block."""
@@ -256,38 +171,6 @@ class Colony:
         self._done = until
         if self._first == np.inf:
             self._first = self.best
-
-
-def advance_together(colonies: Sequence[Colony], parameters: ArrayLike, iterations: Sequence[int]) -> None:
-    """Walk a block of several colonies on ANTGYM_THREADS threads; each as its own ``advance`` would.
-
-    Args:
-        colonies: n different ones.
-        parameters: (n, 4) natural values (α, β, ρ, Q).
-        iterations: n numbers, none larger than what its colony has left.
-
-    Raises:
-        ParameterError: if one of them cannot be walked; then none is.
-    """
-    values = check_parameters(parameters)
-    if not len({id(colony) for colony in colonies}) == len(values) == len(iterations):
-        raise ParameterError(
-            f"{len(values)} parameter sets and {len(iterations)} numbers of iterations for "
-            f"{len({id(colony) for colony in colonies})} different colonies"
-        )
-    for colony, count in zip(colonies, iterations, strict=True):
-        if not 1 <= count <= colony.left:
-            raise ParameterError(f"iterations = {count}: this colony has {colony.left} left")
-    for i, colony in enumerate(colonies):
-        colony._set(values[i : i + 1])
-
-    def walk(first: int, last: int) -> None:
-        with np.errstate(over="ignore"):  # interpreted, random numbers and hashes wrap around
-            for i in range(first, last):
-                colonies[i]._walk(iterations[i])
-
-    if len(colonies):
-        run_ranges(walk, len(colonies))
 
 
 def _walked_again(

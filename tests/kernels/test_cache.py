@@ -52,10 +52,10 @@ def test_an_edit_of_any_source_changes_the_hash(copied, name):
 
 
 def test_a_new_or_renamed_source_changes_the_hash(copied):
-    (copied / "bees.py").write_text("")
-    with_bees = hash_of(copied)
-    (copied / "bees.py").rename(copied / "wasps.py")
-    assert len({with_bees, hash_of(copied), kernels.sources_hash()}) == 3
+    (copied / "wasps.py").write_text("")
+    with_wasps = hash_of(copied)
+    (copied / "wasps.py").rename(copied / "hornets.py")
+    assert len({with_wasps, hash_of(copied), kernels.sources_hash()}) == 3
 
 
 def test_importing_the_kernels_leaves_the_users_cache_folder_alone(tmp_path):

@@ -62,7 +62,23 @@ def test_the_highest_uniform_times_any_total_stays_below_it():
     assert (np.float32(1 - 2.0**-23) * totals < totals).all()
 
 
-@pytest.mark.parametrize("function", [rng.high_uniform, rng.low_uniform])
+def test_the_highest_unit_times_any_total_stays_below_it():
+    """Else an onlooker would look for a source behind the last one."""
+    totals = np.random.default_rng(0).random(20_000) * 10.0 ** np.arange(-10, 10).repeat(1000)
+    assert rng.unit(np.uint64(0)) == 0.0
+    assert (rng.unit(np.uint64(2**64 - 1)) * totals < totals).all()
+
+
+@pytest.mark.parametrize("count", [1, 3, 24, 2000])
+def test_whole_numbers_below_a_count_are_all_drawn_alike(count):
+    low = np.array([rng.below(bits & np.uint64(2**32 - 1), count) for bits in draws(4, 20_000)])
+    assert (low.min(), low.max()) == (0, count - 1)
+    assert rng.below(np.uint64(2**32 - 1), count) == count - 1
+    counts, expected = np.bincount(low, minlength=count), len(low) / count
+    assert abs(((counts - expected) ** 2 / expected).sum() - (count - 1)) <= 6 * np.sqrt(2 * (count - 1))
+
+
+@pytest.mark.parametrize("function", [rng.high_uniform, rng.low_uniform, rng.unit])
 @pytest.mark.parametrize("key", KEYS)
 def test_uniforms_fill_all_bins_alike(function, key):
     """χ² with 63 degrees of freedom: 63 ± 11.2; six standard deviations would be a broken generator."""
@@ -92,5 +108,5 @@ def test_runs_with_neighbouring_keys_have_nothing_to_do_with_each_other():
 def test_interpreted_functions_give_the_same_bits():
     bits = draws(7, 500)
     assert [int(interpreted(rng.draw)(np.uint64(7), np.uint64(n))) for n in range(500)] == bits.tolist()
-    for function in (rng.mix, rng.high_uniform, rng.low_uniform):
+    for function in (rng.mix, rng.high_uniform, rng.low_uniform, rng.unit):
         assert [interpreted(function)(b) for b in bits] == [function(b) for b in bits]

@@ -74,9 +74,9 @@ def test_colonies_advanced_together_walk_as_each_alone(monkeypatch):
     ("changes", "message"),
     [
         ({"iterations": [1, 6]}, "this colony has 5 left"),
-        ({"iterations": [1]}, "1 numbers of iterations for 2 different colonies"),
+        ({"iterations": [1]}, "1 numbers of iterations for 2 different runs"),
         ({"parameters": [(1, 1, 0.5, 1), (1, 1, 0, 1)]}, "rho = 0"),
-        ({"twice": True}, "for 1 different colonies"),
+        ({"twice": True}, "for 1 different runs"),
     ],
 )
 def test_where_one_colony_cannot_be_advanced_none_is(valley, changes, message):

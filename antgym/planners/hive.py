@@ -1,0 +1,119 @@
+"""The hive: one run of bees that can be paused, steered and advanced together with others."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antgym.errors import ParameterError
+from antgym.kernels.bees import begin, fly_block
+from antgym.kernels.hive import MADE
+from antgym.maps.discs import DiscScenario
+from antgym.planners.bee_rules import BeeRules, find_bee_rules
+from antgym.planners.flights import Flights, new_comb, write_bee_parameters
+from antgym.planners.parameters import BeeParameters, check_bee_parameters
+from antgym.planners.pausing import advance_together
+from antgym.planners.plans import Plan
+
+
+class Hive:
+    """One run that can be paused: ``Hive(...)``, ``advance(parameters, iterations)``, ``result()``.
+
+    The sources are the state, and parameters are read anew every cycle: any split into blocks gives the plan of one
+    block, bit for bit. ξ falls over all ``iterations``, however they are split. A hive is pickled as what was asked of
+    it, and flies again.
+
+    Args:
+        scenario, rules, ants, iterations, seed: as for :func:`~antgym.planners.planning.plan`; ants are bees and
+            iterations their cycles.
+    """
+
+    def __init__(
+        self,
+        scenario: DiscScenario,
+        *,
+        rules: str | BeeRules = "wu2018",
+        ants: int = 40,
+        iterations: int = 100,
+        seed: int = 0,
+    ) -> None:
+        default = BeeParameters(1.0, 1.0, 1.0, 0.0)
+        self._flights = Flights.of([scenario], [default], rules, ants, iterations, [seed])
+        self._scenario, self._tabu = scenario, find_bee_rules(rules).tabu > 0
+        self._asked = {"rules": rules, "ants": ants, "iterations": iterations, "seed": seed}
+        self._blocks: list[tuple[BeeParameters, int]] = []
+        self._iterations, self._done, self._next = iterations, 0, default
+        self._comb = new_comb(self._flights.runs)
+        with np.errstate(over="ignore"):
+            begin(self._flights.runs[0], self._flights.discs, self._comb)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _flown_again, (self._scenario, self._asked, self._blocks)
+
+    @property
+    def parameters(self) -> BeeParameters:
+        """Those of the last block; ParameterError before any."""
+        if not self._blocks:
+            raise ParameterError("this hive has not flown yet; advance() it")
+        return self._blocks[-1][0]
+
+    @property
+    def best(self) -> float:
+        """Length of the best path so far, inf before any and where it touches a disc."""
+        return float(self._flights.history.best[self._done - 1]) if self._done else np.inf
+
+    @property
+    def moves(self) -> int:
+        """Paths that all bees have evaluated so far."""
+        return int(self._comb.status[MADE])
+
+    @property
+    def done(self) -> int:
+        """Cycles flown so far."""
+        return self._done
+
+    @property
+    def left(self) -> int:
+        """Cycles that can still be flown."""
+        return self._iterations - self._done
+
+    @property
+    def sources(self) -> NDArray[np.float64]:
+        """The sources as they stand, (s, p + 2, 2) points from start to goal; a copy."""
+        run = self._flights.runs[0]
+        return self._comb.place[: run.sources, :, : run.points + 2].swapaxes(1, 2).copy()
+
+    def check(self, parameters: ArrayLike) -> NDArray[np.float64]:
+        """Return (k, 4) natural values; ParameterError where one cannot be used."""
+        return check_bee_parameters(parameters, self._tabu)
+
+    def advance(self, parameters: ArrayLike, iterations: int) -> None:
+        """Fly some more cycles under (limit, ξ_max, ξ_min, radius); ParameterError if more than are left."""
+        advance_together([self], parameters, [iterations])
+
+    def result(self) -> Plan:
+        """Return the plan as it stands; its history covers the cycles flown."""
+        flights = self._flights
+        flights.lengths[0], flights.made[0] = self.best, self.moves
+        flights.paths[0] = self._comb.best[:, : flights.paths.shape[2]]
+        return flights.plan(0, self._done)
+
+    def _set(self, values: NDArray[np.float64]) -> None:
+        """Write the parameters of the next block, (1, 4)."""
+        write_bee_parameters(self._flights.runs, values)
+        self._next = BeeParameters(*values[0].tolist())
+
+    def _walk(self, iterations: int) -> None:
+        flights, self._done = self._flights, self._done + iterations
+        fly_block(flights.discs, flights.runs, self._comb, flights.history, self._done)
+        self._blocks.append((self._next, iterations))
+
+
+def _flown_again(
+    scenario: DiscScenario, asked: dict[str, Any], blocks: list[tuple[BeeParameters, int]]
+) -> Hive:
+    """Return the hive that a pickled one was."""
+    hive = Hive(scenario, **asked)
+    for parameters, iterations in blocks:
+        hive.advance(parameters, iterations)
+    return hive
