@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from antgym.maps.discs import DiscScenario
 from antgym.maps.generators import FAMILIES
+from antgym.maps.generators.discs import DISC_FAMILIES
 from antgym.maps.world import Scenario
 
 LAYERED = ("mountains", "ridges", "forest", "boxes", "caves", "pockets")
@@ -25,9 +27,9 @@ class Strand(NamedTuple):
     """One kind of item.
 
     Attributes:
-        families: names in ``generators.FAMILIES``.
-        rules: names of colony rules.
-        sizes: cells a side.
+        families: names in ``generators.FAMILIES``, or in ``DISC_FAMILIES``.
+        rules: names of rules of ants, or of bees.
+        sizes: cells a side, or discs.
         ants: fewest and most.
         iterations: fewest and most.
         weight: how often it comes, relative to the suite's other strands.
@@ -69,8 +71,13 @@ class Recipe(NamedTuple):
 
     @property
     def flat(self) -> bool:
-        """Whether every world is one cell high."""
-        return not self.terrain and set(self.families) <= set(FLAT)
+        """Whether every world is one cell high, or lies in the plane."""
+        return not self.terrain and set(self.families) <= {*FLAT, *DISC_FAMILIES}
+
+    @property
+    def discs(self) -> bool:
+        """Whether every world holds discs; else, all are grids."""
+        return set(self.families) <= set(DISC_FAMILIES)
 
     @property
     def families(self) -> tuple[str, ...]:
@@ -90,14 +97,15 @@ class Recipe(NamedTuple):
         return strand, str(rng.choice(strand.families)), str(rng.choice(strand.rules))
 
 
-def draw(family: str, rng: np.random.Generator, size: int) -> Scenario:
+def draw(family: str, rng: np.random.Generator, size: int) -> Scenario | DiscScenario:
     """Draw a scenario whose shortest path is at most five straight lines long.
 
     A few mazes are longer. All that an agent sees of a run is its length, ten straight lines at most: there, a good
     path could not be told from a bad one, nor from none.
     """
+    generate = FAMILIES.get(family) or DISC_FAMILIES[family]
     while True:
-        scenario = FAMILIES[family](rng, size)
+        scenario = generate(rng, size)
         if scenario.optimum <= LONGEST * scenario.straight_line:
             return scenario
 
@@ -120,6 +128,12 @@ _FIELD = Strand(_SOLIDS, ("zhang_apf",), _odd(15, 27), (5, 40), (10, 200))
 _ROOM = Strand(("rooms",), ("zhang2011",), _odd(15, 31), (5, 40), (10, 150), most=WANDERING)
 _PALLET = Strand(("clutter",), ("wei2018",), (20,), (5, 40), (10, 150), most=WANDERING)
 _ANY = Strand(LAYERED, TEXTBOOK, _LADDER, (5, 50), (3, 200))
+# Way-points settle round scattered discs whatever the parameters; between walls these matter. wu2018 flies up to 1,000
+# cycles: with 20 to 400, three runs in four find nothing, and there is nothing to choose.
+_DISCS = Strand(("corridors",), ("wu2018",), (16, 20, 24, 32), (10, 60), (100, 2000), weight=2)
+_TABU_BEE = (_DISCS, _DISCS._replace(families=("wu2018", "scatter"), sizes=(12, 20, 32), weight=1))
+_BEE = tuple(strand._replace(rules=("wu2018-basic", "abc_standard", "abc_gbest")) for strand in _TABU_BEE)
+_MORE_DISCS = (48, 64)
 # Weights add up to two for every rule, to nine for layered worlds and to nine for flat ones.
 _OPEN = (
     _ANY._replace(weight=2, rules=("liu2020",)),
@@ -161,5 +175,15 @@ SUITES: dict[str, Recipe] = {
         {"train": 1600, "validation": 100, "test": 200, "ood": 88},
         ood=tuple(strand._replace(sizes=_LARGER) for strand in _OPEN),
         terrain=("liu2020", "zhang_apf", *TEXTBOOK),
+    ),
+    "bee-v0": Recipe(
+        _BEE,
+        {**_COUNTS, "ood": 112},
+        ood=tuple(strand._replace(sizes=_MORE_DISCS) for strand in _BEE),
+    ),
+    "tabu-bee-v0": Recipe(
+        _TABU_BEE,
+        {**_COUNTS, "ood": 112},
+        ood=tuple(strand._replace(sizes=_MORE_DISCS) for strand in _TABU_BEE),
     ),
 }

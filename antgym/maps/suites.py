@@ -28,14 +28,14 @@ class SuiteItem(NamedTuple):
     Attributes:
         name: suite, split and number of what is generated, or window and rotation of real terrain; of one's own, any.
         scenario: what is planned.
-        ants: ants per iteration.
-        iterations: iterations per run.
-        rules: name of the colony's rules.
+        ants: ants per iteration, or bees.
+        iterations: iterations per run, or cycles.
+        rules: name of the swarm's rules.
         family: of the scenario, ``"terrain"`` for real terrain, ``"own"`` for one's own.
     """
 
     name: str
-    scenario: Scenario
+    scenario: Scenario[Any, Any]
     ants: int = 20
     iterations: int = 50
     rules: str = "liu2020"
@@ -75,8 +75,13 @@ class Suite(Sequence[SuiteItem]):
 
     @property
     def flat(self) -> bool:
-        """Whether every world of the suite is one cell high, in every split."""
+        """Whether every world of the suite is one cell high, or lies in the plane, in every split."""
         return self._recipe.flat
+
+    @property
+    def rules(self) -> tuple[str, ...]:
+        """The rules that plan its scenarios, in every split; all of ants, or all of bees."""
+        return self._recipe.rules
 
     @overload
     def __getitem__(self, index: int) -> SuiteItem: ...

@@ -18,6 +18,7 @@ from antgym.maps.packing import PAD, is_binary, packed
 if TYPE_CHECKING:
     from typing_extensions import TypeVar
 
+    from antgym.maps.disc_chart import DiscChart
     from antgym.maps.discs import DiscWorld
     from antgym.maps.occupancy import Chart
 
@@ -256,20 +257,23 @@ class Scenario(Generic[World, Place]):
 
     @cached_property
     def descriptors(self) -> NDArray[np.float32]:
-        """The features of :func:`antgym.maps.features.describe`, computed once."""
+        """What ``describe`` of :mod:`antgym.maps.features`, or ``describe_discs``, says of it, computed once."""
+        from antgym.maps.disc_features import describe_discs
         from antgym.maps.features import describe
 
-        descriptors = describe(self._on_a_grid)
+        on_a_grid = isinstance(self.world, GridWorld)
+        descriptors = describe(self._on_a_grid) if on_a_grid else describe_discs(cast("Any", self))
         descriptors.setflags(write=False)
         return descriptors
 
     @cached_property
-    def chart(self) -> "Chart":
+    def chart(self) -> "Chart | DiscChart":
         """What draws the down-sampled map of :func:`antgym.maps.occupancy.occupancy`, each picture once."""
+        from antgym.maps.disc_chart import DiscChart
         from antgym.maps.occupancy import Chart
 
-        grid = self._on_a_grid
-        return Chart(grid.world, grid.start, grid.goal)
+        kind: Any = Chart if isinstance(self.world, GridWorld) else DiscChart
+        return cast("Chart | DiscChart", kind(self.world, self.start, self.goal))
 
     @cached_property
     def digest(self) -> str:

@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from antgym.maps.generators import FAMILIES
+from antgym.maps.generators.discs import DISC_FAMILIES
 from antgym.maps.recipes import FLAT, LAYERED, LONGEST, SUITES, TEXTBOOK, Strand, draw
 from antgym.maps.suites import SPLITS, load_suite
+from antgym.planners.bee_rules import BEE_PAPERS
+from antgym.planners.rules import PAPERS
 
 STRANDS = [
     pytest.param(strand, id=f"{name}-{i}")
@@ -23,6 +26,12 @@ def picks(split, count=3000):
     return [SUITES["open-v0"].pick(split, np.random.default_rng([7, i])) for i in range(count)]
 
 
+def size_of(item):
+    """Cells a side, or discs."""
+    world = item.scenario.world
+    return len(world.discs) if SUITES[item.name.split("/")[0]].discs else world.shape[0]
+
+
 def test_every_family_is_flat_or_layered():
     assert sorted((*LAYERED, *FLAT)) == sorted(FAMILIES)
     for family in FAMILIES:
@@ -33,7 +42,14 @@ def test_every_family_is_flat_or_layered():
 
 @pytest.mark.parametrize("strand", STRANDS)
 def test_strands_name_known_families_and_keep_to_one_motion(strand):
-    assert set(strand.families) <= set(LAYERED) or set(strand.families) <= set(FLAT)
+    assert any(set(strand.families) <= set(kind) for kind in (LAYERED, FLAT, DISC_FAMILIES))
+
+
+@pytest.mark.parametrize("recipe", SUITES.values(), ids=SUITES)
+def test_bees_fly_among_discs_and_ants_walk_on_grids(recipe):
+    rules = {rule for strand in (*recipe.strands, *recipe.ood) for rule in strand.rules}
+    assert rules <= set(BEE_PAPERS if recipe.discs else PAPERS)
+    assert len({rule in BEE_PAPERS and BEE_PAPERS[rule].tabu > 0 for rule in rules}) == 1, "one space a suite"
 
 
 @pytest.mark.parametrize("strand", STRANDS)
@@ -91,9 +107,7 @@ def test_ood_is_larger_or_of_other_families(name):
 def test_items_are_what_their_strands_say(name):
     for item in load_suite(name, "validation")[:30]:
         assert any(
-            item.family in strand.families
-            and item.rules in strand.rules
-            and item.scenario.world.shape[0] in strand.sizes
+            item.family in strand.families and item.rules in strand.rules and size_of(item) in strand.sizes
             for strand in SUITES[name].strands
         )
 

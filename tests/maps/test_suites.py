@@ -8,6 +8,7 @@ import pytest
 
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.maps import suites
+from antgym.maps.discs import DiscWorld
 from antgym.maps.recipes import SUITES
 from antgym.maps.suites import SPLITS, Suite, load_suite
 
@@ -15,6 +16,8 @@ needs_matplotlib = pytest.mark.skipif(
     importlib.util.find_spec("matplotlib") is None, reason="matplotlib is absent"
 )
 DIGESTS = {
+    "bee-v0": ("b79a7b8d3d5c08b0", "95f2f2d67603f460", "0d3ca7d0a5677cb0", "860a22e107524380"),
+    "tabu-bee-v0": ("b409d9d22160924a", "1a9d4c675a2151c8", "edc94c4baaaf7394", "a38c828789afcae4"),
     "mountain-v0": ("8d65ff2bce1256a4", "b2fffbedcc5e4123", "535c7146fef40893", "13a4ca42b75295c9"),
     "potential-field-v0": ("a1d8918db1e3dae8", "b7e7a182abc23a99", "31d1023a482decf1", "91450621e4cf9caa"),
     "room-v0": ("1b4be16eb54b0654", "fb7b6baa4ffff767", "a06b691a744881dc", "53a06421d6fb4c91"),
@@ -22,6 +25,8 @@ DIGESTS = {
     "open-v0": ("6d4bb2f4d234a873", "6b245e08dce1951d", "c13f841fe1bf78d4", "e9d2f8065b5b87f5"),
 }
 COUNTS = {
+    "bee-v0": (200, 50, 100, 112),
+    "tabu-bee-v0": (200, 50, 100, 112),
     "mountain-v0": (200, 50, 100, 112),
     "potential-field-v0": (200, 50, 100, 112),
     "room-v0": (200, 50, 100, 112),
@@ -46,9 +51,10 @@ def digest(items):
 
 
 def world_digest(item):
-    """Of the cells alone: another start in the same world would be a leak too."""
-    free = item.scenario.world.free
-    return hashlib.sha256(repr(free.shape).encode() + free.tobytes()).hexdigest()
+    """Of the cells, or the discs, alone: another start in the same world would be a leak too."""
+    world = item.scenario.world
+    held = world.discs if isinstance(world, DiscWorld) else world.free
+    return hashlib.sha256(repr(held.shape).encode() + held.tobytes()).hexdigest()
 
 
 @needs_matplotlib
@@ -116,7 +122,9 @@ def test_items_keep_to_the_announced_sizes_and_efforts():
 @pytest.mark.parametrize("name", SUITES)
 def test_a_suite_is_flat_where_all_its_worlds_are(name):
     items = load_suite(name, "validation")[:20]
-    assert load_suite(name, "train").flat == all(item.scenario.world.shape[2] == 1 for item in items)
+    worlds = [item.scenario.world for item in items]
+    flat = all(isinstance(world, DiscWorld) or world.shape[2] == 1 for world in worlds)
+    assert load_suite(name, "train").flat == flat
 
 
 def test_a_suite_is_a_sequence_of_items_made_once():
