@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from antgym.bench import threads
 from antgym.maps.suites import load_suite
-from antgym.planners import colony
+from antgym.planners import planning
 from antgym.planners.threads import run_ranges
 
 ENV, SUITE = "antgym/MountainOneShot-v0", "mountain-v0"
@@ -89,7 +89,7 @@ def planner_clock() -> Iterator[list[float]]:
         run_ranges(work, total)
         inside[0] += time.perf_counter() - begun
 
-    with patch.object(colony, "run_ranges", timed):
+    with patch.object(planning, "run_ranges", timed):
         yield inside
 
 

@@ -14,7 +14,7 @@ import antgym
 from antgym.envs.catalogue import CATALOGUE
 from antgym.envs.vector import NativeVectorEnv, env_seeds
 from antgym.errors import ParameterError
-from antgym.planners import colony as colonies
+from antgym.planners import pausing
 from antgym.tuning import problem as problems
 
 IDS = [entry.id for entry in CATALOGUE]
@@ -150,8 +150,8 @@ def test_a_batch_makes_one_planner_call_a_step(monkeypatch):
 
 
 def test_a_batch_of_control_walks_all_blocks_of_a_step_in_one_call(monkeypatch):
-    calls, run_ranges = [], colonies.run_ranges
-    monkeypatch.setattr(colonies, "run_ranges", lambda *call: (calls.append(call[1]), run_ranges(*call)))
+    calls, run_ranges = [], pausing.run_ranges
+    monkeypatch.setattr(pausing, "run_ranges", lambda *call: (calls.append(call[1]), run_ranges(*call)))
     batch = native(CONTROL, 8)
     batch.reset(seed=0)
     for _ in range(3):
