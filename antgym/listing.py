@@ -10,7 +10,7 @@ from rich.table import Table
 
 from antgym.envs.cards import load_card, summary
 from antgym.envs.catalogue import CATALOGUE, Entry
-from antgym.envs.manual import arguments, ranges_table, section, world_facts
+from antgym.envs.manual import arguments, ranges_note, ranges_table, section, world_facts
 from antgym.errors import ParameterError, nearest
 
 
@@ -46,7 +46,7 @@ def page(env_id: str) -> Markdown:
         *(f"- `{name}`: `{default!r}`" for name, default in defaults.items()),
         "## Ranges: low < published default (action 0) < high",
         ranges_table(facts["rules"].split(", ")),
-        "κ = Q / (straight line from start to goal · initial pheromone)",
+        ranges_note(facts["rules"].split(", ")),
         "## Card",
         _summary(entry, card),
         f"```json\n{json.dumps(card, indent=2, ensure_ascii=False)}\n```" if card else "",

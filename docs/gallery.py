@@ -1,9 +1,10 @@
-"""Make docs/worlds.png, the README's gallery: a scenario of every family, the path of a tuned colony and the optimum.
+"""Make docs/worlds.png, the README's gallery: a scenario of every family, the path of a tuned swarm and the optimum.
 
     python docs/gallery.py
 
-Worlds over a height are drawn as blocks, cut open along the two paths so that both are seen; flat ones from above. The
-colony runs with the best of some settings drawn at random, on a seed that was not among those they were compared on.
+Worlds over a height are drawn as blocks, cut open along the two paths so that both are seen; flat ones and discs from
+above. The swarm runs with the best of some settings drawn at random, on a seed that was not among those they were
+compared on.
 Needs matplotlib, and Pillow, which comes with it and makes the file small.
 """
 
@@ -14,13 +15,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
 from antgym import Scenario, SuiteItem, TuningProblem, load_suite
 from antgym.envs.catalogue import WORLDS
+from antgym.maps.discs import DiscScenario, DiscWorld
 from antgym.maps.optimum import shortest_path
-from antgym.planners.colony import Plan
+from antgym.planners.plans import Plan
 from antgym.tuning.problem import FRESH
 
 PICTURE = Path(__file__).with_name("worlds.png")
@@ -59,6 +62,9 @@ PANELS = (
     Panel("Pallet", "clutter", 2),
     Panel("Open", "mazes", 25),
     Panel("Open", "warehouse", 59),
+    Panel("Bee", "corridors", 3),
+    Panel("Bee", "scatter", 1),
+    Panel("TabuBee", "wu2018", 7),
 )
 
 
@@ -136,16 +142,8 @@ def draw(axes: Any, panel: Panel) -> None:
     """Draw one panel and say what it shows."""
     item = load_suite(WORLDS[panel.world], panel.split)[panel.index]
     scenario, plan = item.scenario, tuned(item)
-    best = shortest_path(scenario)
-    flat = scenario.world.shape[2] == 1
-    draw_world(axes, scenario, [plan.path, best])
-    view, centre = (FLAT, np.array([0.5, 0.5, 0.0])) if flat else (SOLID, np.full(3, 0.5))
-    for path, style in ((plan.path, COLONY), (best, OPTIMUM)):
-        axes.plot(*view.project(path + centre).T, **style)
-    for cell, style in ((scenario.start, START), (scenario.goal, GOAL)):
-        axes.plot(*view.project(np.array(cell) + centre), zorder=5, **style)
+    size = (draw_discs if isinstance(scenario.world, DiscWorld) else draw_grid)(axes, scenario, plan.path)
     gap = plan.length / scenario.optimum - 1
-    size = " × ".join(str(n) for n in scenario.world.shape[: 2 if flat else 3])
     axes.set_title(f"{panel.world}: {panel.title}", loc="left", pad=19, **TITLE)
     axes.text(0, 1.02, f"{size}, {item.rules}, gap {gap:.0%}", transform=axes.transAxes, **NOTE)
     axes.set_aspect("equal", adjustable="datalim")
@@ -153,9 +151,36 @@ def draw(axes: Any, panel: Panel) -> None:
     axes.axis("off")
 
 
+def draw_discs(axes: Any, scenario: DiscScenario, path: NDArray[np.float64]) -> str:
+    """Draw discs from above, a path and the optimum; return how many discs there are."""
+    x_min, x_max, y_min, y_max = scenario.world.bounds
+    box = Rectangle((x_min, y_min), x_max - x_min, y_max - y_min, facecolor=FLOOR)
+    axes.add_patch(box)
+    for x, y, radius in scenario.world.grown.tolist():
+        axes.add_patch(Circle((x, y), radius, facecolor=SUMMIT)).set_clip_path(box)
+    for line, style in ((path, COLONY), (shortest_path(scenario), OPTIMUM)):
+        axes.plot(*np.asarray(line).T, **style)
+    for point, style in ((scenario.start, START), (scenario.goal, GOAL)):
+        axes.plot(*point, zorder=5, **style)
+    return f"{len(scenario.world.discs)} discs"
+
+
+def draw_grid(axes: Any, scenario: Scenario, path: NDArray[np.int64]) -> str:
+    """Draw a grid, a path and the optimum; return how many cells there are."""
+    best = shortest_path(scenario)
+    flat = scenario.world.shape[2] == 1
+    draw_world(axes, scenario, [path, best])
+    view, centre = (FLAT, np.array([0.5, 0.5, 0.0])) if flat else (SOLID, np.full(3, 0.5))
+    for line, style in ((path, COLONY), (best, OPTIMUM)):
+        axes.plot(*view.project(line + centre).T, **style)
+    for cell, style in ((scenario.start, START), (scenario.goal, GOAL)):
+        axes.plot(*view.project(np.array(cell) + centre), zorder=5, **style)
+    return " × ".join(str(n) for n in scenario.world.shape[: 2 if flat else 3])
+
+
 def key(axes: Any) -> None:
     """Say what colours and lines mean."""
-    rows = ((COLONY, "path of a tuned colony"), (OPTIMUM, "exact optimum"), (START, "start"), (GOAL, "goal"))
+    rows = ((COLONY, "path of a tuned swarm"), (OPTIMUM, "exact optimum"), (START, "start"), (GOAL, "goal"))
     for i, (style, text) in enumerate(rows):
         ends = [0.02, 0.16] if "lw" in style else [0.09]
         axes.plot(ends, [0.8 - 0.11 * i] * len(ends), **style)
@@ -169,9 +194,9 @@ def key(axes: Any) -> None:
 
 def main() -> None:
     """Write the picture."""
-    figure = Figure(figsize=(15, 12.4), facecolor=PAPER)
+    figure = Figure(figsize=(18.5, 12.4), facecolor=PAPER)
     figure.subplots_adjust(0.015, 0.01, 0.985, 0.95, wspace=0.06, hspace=0.2)
-    grid = figure.subplots(3, 4).ravel()
+    grid = figure.subplots(3, 5).ravel()
     for axes, panel in zip(grid, PANELS, strict=False):
         draw(axes, panel)
     key(grid[-1])

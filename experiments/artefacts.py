@@ -34,7 +34,7 @@ from experiments.watching import WatchedSession
 Floats = NDArray[np.float64]
 _T = TypeVar("_T")
 REPEATS = 5  # runs of each set of the transfer graph on each of its maps
-EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats
+EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats (tuning.md, D3)
 MOST_SETTINGS = 256  # of the experience
 ARGUMENTS = {
     "agents.static:StaticAgent": ("setting", "static.json"),

@@ -18,6 +18,7 @@ from antgym.maps.recipes import SUITES
 from antgym.maps.world import Scenario
 from antgym.planners.colony import plan
 from antgym.planners.rules import PAPERS
+from antgym.planners.swarms import find_swarm_rules
 
 ROOT = Path(__file__).parents[1]
 HILLS = str(ROOT / "docs" / "hills.asc")
@@ -84,8 +85,8 @@ def test_envs_prints_the_page_of_one(entry, capsys):
         assert word in said
     assert ("budget: 10" in said) == entry.id.endswith("Trials-v0")
     for rules in SUITES[entry.kwargs["suite"]].rules:
-        alpha, beta, _, _ = PAPERS[rules].ranges
-        assert f"{rules} {alpha[0]:.4g} < {alpha[1]:.4g} < {alpha[2]:.4g} {beta[0]:.4g} <" in said
+        first, second, *_ = find_swarm_rules(rules).ranges
+        assert f"{rules} {first[0]:.4g} < {first[1]:.4g} < {first[2]:.4g} {second[0]:.4g} <" in said
 
 
 def test_a_page_shows_the_whole_card(monkeypatch, capsys):

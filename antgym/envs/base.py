@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.vector.utils import iterate
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.envs.draws import checked_effort, load_problems
+from antgym.envs.draws import Problems, checked_effort, load_problems
 from antgym.envs.episodes import Episodes, Observation, Terms
 from antgym.envs.infos import row
 from antgym.envs.scenarios import find_items
@@ -17,8 +17,7 @@ from antgym.errors import ParameterError, nearest
 from antgym.maps.features import Feature
 from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, SuiteItem
-from antgym.planners.parameters import ColonyParameters
-from antgym.tuning.features import TASK_FEATURES
+from antgym.tuning.features import DISC_TASK_FEATURES, TASK_FEATURES, task_table
 from antgym.tuning.observation import bounds
 from antgym.tuning.session import Session
 from antgym.tuning.sessions import Account
@@ -34,7 +33,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     Args:
         suite: name of the suite scenarios come from, or scenarios of your own: a sequence of ``SuiteItem``.
         split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"`` of a named suite.
-        effort: (ants, iterations) for every scenario instead of each scenario's own.
+        effort: (ants, iterations), or (bees, cycles), for every scenario instead of each scenario's own.
         reward: ``"gap"``, ``"length"`` or ``"improvement"``.
         observation: ``"features"``, the vector alone, or with a map beside it: ``"map2d"``, ``"map3d"``, or ``"map"``
             for that of the two which fits the suite: flat where all its worlds are.
@@ -44,7 +43,8 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 1}  # noqa: RUF012
     arguments: tuple[str, ...] = ("suite", "split", "effort", "reward", "observation", "render_mode")
-    features: tuple[Feature, ...] = TASK_FEATURES  # the tabulated part of the observation
+    features: tuple[Feature, ...] = TASK_FEATURES  # the tabulated part of the observation on grids,
+    disc_features: tuple[Feature, ...] = DISC_TASK_FEATURES  # and among discs
     _kind: type[Episodes]  # of its episodes
     _budget, _window = 1, 0  # trials an episode pays for, and how many of them the observation shows
     least_iterations = 1  # of a run
@@ -73,12 +73,12 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             valid = tuple(self.metadata["render_modes"])
             raise ParameterError(f"unknown render_mode {render_mode!r}; {nearest(str(render_mode), valid)}")
-        checked = None if effort is None else checked_effort(effort, self.least_iterations)
-        problems = load_problems(find_items(suite, split), checked, self.least_iterations)
+        items = find_items(suite, split)
+        checked = None if effort is None else checked_effort(effort, items, self.least_iterations)
+        problems = load_problems(items, checked, self.least_iterations)
         self.render_mode = render_mode
-        dimension = len(ColonyParameters._fields)
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (dimension,), np.float32)
-        features = gymnasium.spaces.Box(*self._bounds(), dtype=np.float32)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(problems.names),), np.float32)
+        features = gymnasium.spaces.Box(*self._bounds(problems), dtype=np.float32)
         flat = {"features": None, "map": problems.flat, "map2d": True, "map3d": False}[observation]
         self.observation_space = _with_map(features, flat)
         self._terms = Terms(problems, reward, flat, self._budget, self._window)
@@ -139,10 +139,19 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Become a row of the episodes of a batch; an episode of its own is left behind."""
         self._episodes, self._row, self._rows = episodes, at, np.array([at])
 
-    def encode(self, *, alpha: float, beta: float, rho: float, Q: float) -> NDArray[np.float32]:
-        """Return the action of natural values in the current episode; ParameterError outside their ranges."""
+    def encode(self, **naturals: float) -> NDArray[np.float32]:
+        """Return the action of natural values in the current episode; ParameterError outside their ranges.
+
+        All parameters must be named: ``alpha``, ``beta``, ``rho`` and ``Q`` of ants; ``limit``, ``xi_max``, ``xi_min``
+        of bees and, where they keep a tabu list, ``tabu_radius``.
+        """
         self._episodes.require_begun(self._rows)
-        unit = self._episodes.problem(self._row).space.encode([alpha, beta, rho, Q])[0]
+        space = self._episodes.problem(self._row).space
+        if set(naturals) != set(space.names):
+            raise ParameterError(
+                f"encode() takes {', '.join(space.names)}; got {', '.join(naturals) or 'none'}"
+            )
+        unit = space.encode([naturals[name] for name in space.names])[0]
         return (2 * unit - 1).astype(np.float32)
 
     def render(self) -> Any:
@@ -154,12 +163,13 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         from antgym.envs.render import ansi, rgb_array
 
         self._episodes.require_begun(self._rows)
-        problem, colony = self._episodes.problem(self._row), self._episodes.walked(self._row)
-        return (ansi if self.render_mode == "ansi" else rgb_array)(problem, colony)
+        problem, swarm = self._episodes.problem(self._row), self._episodes.walked(self._row)
+        return (ansi if self.render_mode == "ansi" else rgb_array)(problem, swarm)
 
-    def _bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def _bounds(self, problems: Problems) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return (low, high) of the vector shown."""
-        return bounds(len(ColonyParameters._fields), window=self._window)
+        table = task_table(problems.discs)
+        return bounds(len(problems.names), window=self._window, features=table)
 
 
 def settings(space: gymnasium.Space[Any], actions: ArrayLike) -> NDArray[np.float64]:

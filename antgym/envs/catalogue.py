@@ -22,6 +22,8 @@ WORLDS = {
     "Room": "room-v0",
     "Pallet": "pallet-v0",
     "Open": "open-v0",
+    "Bee": "bee-v0",
+    "TabuBee": "tabu-bee-v0",
 }
 """Every world and the suite that its scenarios come from."""
 

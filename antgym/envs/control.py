@@ -6,14 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.envs.base import TuningEnv
+from antgym.envs.draws import Problems
 from antgym.envs.episodes import Episodes, Rows, Terms
 from antgym.envs.manual import documented
 from antgym.envs.verdicts import Verdicts
-from antgym.planners.colony import Colony
+from antgym.planners.swarms import Swarm
 from antgym.tuning.features import feature_bounds
 from antgym.tuning.open_trial import OpenTrial
 from antgym.tuning.problem import FRESH, TuningProblem, run_together
-from antgym.tuning.run_features import CONTROL_FEATURES, DEFAULT, observe_run
+from antgym.tuning.run_features import (
+    CONTROL_FEATURES,
+    DEFAULT,
+    DISC_CONTROL_FEATURES,
+    control_table,
+    observe_run,
+)
 from antgym.tuning.session import Session, steer_together
 
 BLOCKS = 10
@@ -21,7 +28,7 @@ LEAST_ITERATIONS = 40  # four a block: fewer and a block is noise
 
 
 class ControlEpisodes(Episodes):
-    """One run each, walked block by block; runs are objects, for each has a colony of its own."""
+    """One run each, walked block by block; runs are objects, for each has a colony or a hive of its own."""
 
     def __init__(self, count: int, terms: Terms) -> None:
         super().__init__(count, terms)
@@ -61,8 +68,8 @@ class ControlEpisodes(Episodes):
         session: Session = self._opened[row]
         return session
 
-    def walked(self, row: int) -> Colony | None:
-        """Return the colony of the run, None before its first block."""
+    def walked(self, row: int) -> Swarm | None:
+        """Return the colony or hive of the run, None before its first block."""
         return self.trial(row).colony if self.trial(row).units else None
 
     def _defaults(self, rows: Rows) -> NDArray[np.float64]:
@@ -90,7 +97,7 @@ class ControlEpisodes(Episodes):
 
 @documented
 class ControlEnv(TuningEnv):
-    """Steer an ant colony while it searches: ten times in one planner run its parameters may change.
+    """Steer an ant colony, or a hive of bees, while it searches: ten times in one run its parameters may change.
 
     ## Description
     A scenario is drawn as in OneShot, and one run of T ≥ 40 iterations begins on it. Every step sets (α, β, ρ, Q) and
@@ -104,7 +111,9 @@ class ControlEnv(TuningEnv):
 
     {actions}
 
-    Q's range is κ = Q / straight line from start to goal, shown for a straight line of 1.
+    Q's range is κ = Q / straight line from start to goal, shown for a straight line of 1. Of bees, as in OneShot:
+
+    {bee_actions}
 
     ## Observation Space
     `Box(float32)`: the features of the task, then the state of the run, then the setting of the last block; nothing in
@@ -112,13 +121,18 @@ class ControlEnv(TuningEnv):
 
     {observations}
 
-    `branching` and `distinct` look at the first 32 ants of an iteration. With `observation="map"` a `Dict` of this
-    vector, `features`, and the down-sampled world, `map`, as in OneShot.
+    Among discs, the radius being there only where there is a tabu list:
+
+    {disc_observations}
+
+    `branching` and `distinct` look at the first 32 ants of an iteration, `distinct` at the first 32 sources. With
+    `observation="map"` a `Dict` of this vector, `features`, and the down-sampled world, `map`, as in OneShot.
 
     ## Rewards
     The change of a potential Φ, so that they add up to what OneShot pays for a run of that length:
     - `"gap"` (default): Φ = −min(gap, 1) of the shortest path so far, −1 before any; the first step pays Φ itself, in
-      [−1, 0], every other one the rise of Φ, in [0, 1].
+      [−1, 0], every other one the rise of Φ, in [0, 1]; where bees are to keep a distance from the discs, their path
+      may get longer while it gets better, and Φ fall a little.
     - `"length"`: likewise with Φ = −L in world units, −10 times the straight line before any path.
     - `"improvement"`: as `"gap"`, and the last step pays min(gap of the published default, 1) on top, the default on
       a fresh run of all T iterations.
@@ -155,7 +169,7 @@ class ControlEnv(TuningEnv):
     liu2020, as in OneShot. Adriaensen et al. 2022: dynamic algorithm configuration.
     """
 
-    features = CONTROL_FEATURES
+    features, disc_features = CONTROL_FEATURES, DISC_CONTROL_FEATURES
     least_iterations = LEAST_ITERATIONS
     _kind = ControlEpisodes
     _episodes: ControlEpisodes
@@ -166,5 +180,5 @@ class ControlEnv(TuningEnv):
         self._episodes.require_begun(self._rows)
         return self._episodes.trial(self._row)
 
-    def _bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        return feature_bounds(self.features)
+    def _bounds(self, problems: Problems) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        return feature_bounds(control_table(problems.discs, problems.names))

@@ -11,7 +11,9 @@ from antgym.envs.infos import Columns
 from antgym.envs.scenarios import Items
 from antgym.errors import ParameterError, is_count
 from antgym.planners.batch import MOST_EFFORT
-from antgym.tuning.features import TASK_FEATURES
+from antgym.planners.planning import are_bees
+from antgym.planners.swarms import fewest, parameter_names
+from antgym.tuning.features import task_table
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.seeding import child_states
 
@@ -31,7 +33,7 @@ class Problems:
         self._items, self._effort, self._least = items, effort, least_iterations
         count = len(items)
         self._made = np.full(count, None, object)
-        self._features = np.empty((count, len(TASK_FEATURES)), np.float32)
+        self._features = np.empty((count, len(task_table(self.discs))), np.float32)
         self._told = [np.empty(count, kind) for kind in (object, np.int64, np.int64, object)]
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -42,8 +44,18 @@ class Problems:
 
     @property
     def flat(self) -> bool:
-        """Whether every world is one cell high."""
+        """Whether every world is one cell high, or lies in the plane."""
         return self._items.flat
+
+    @property
+    def discs(self) -> bool:
+        """Whether bees fly among discs; else, ants walk grids."""
+        return are_bees(self._items.rules)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is chosen: the parameters of every problem, in order."""
+        return parameter_names(self._items.rules[0])
 
     def draw(
         self, roots: Sequence[int], episodes: Sequence[int] | NDArray[np.int64]
@@ -93,8 +105,10 @@ def load_problems(items: Items, effort: Effort | None, least_iterations: int) ->
     return Problems(items, effort, least_iterations)
 
 
-def checked_effort(effort: Sequence[int] | NDArray[np.integer], least_iterations: int) -> Effort:
-    """Return (ants, iterations) as asked for; ParameterError where a run cannot have them."""
+def checked_effort(
+    effort: Sequence[int] | NDArray[np.integer], items: Items, least_iterations: int
+) -> Effort:
+    """Return (ants, iterations) as asked for; ParameterError where a run of some items cannot have them."""
     pair = effort.tolist() if isinstance(effort, np.ndarray) else effort
     fits = isinstance(pair, Sequence) and len(pair) == 2 and all(map(is_count, pair))
     if not fits or max(pair) > MOST_EFFORT:
@@ -106,4 +120,7 @@ def checked_effort(effort: Sequence[int] | NDArray[np.integer], least_iterations
             f"effort = {effort!r}: needs (ants, iterations) with at least {least_iterations} iterations, for a run "
             "is steered in blocks"
         )
+    least = fewest(items.rules[0])
+    if effort[0] < least:
+        raise ParameterError(f"effort = {effort!r}: needs (bees, cycles) with at least {least} bees")
     return int(effort[0]), int(effort[1])

@@ -12,7 +12,7 @@ from antgym.envs.draws import Problems
 from antgym.envs.infos import Columns
 from antgym.envs.verdicts import Verdicts, judged, worths
 from antgym.errors import ParameterError
-from antgym.planners.colony import Colony
+from antgym.planners.swarms import Swarm, start
 from antgym.tuning.observation import observe_together
 from antgym.tuning.problem import TRIAL, TuningProblem
 from antgym.tuning.session import Session
@@ -121,8 +121,8 @@ class Episodes(ABC):
         """Return the session of an episode, or how it stands."""
 
     @abstractmethod
-    def walked(self, row: int) -> Colony | None:
-        """Return the colony of the last run, None before any."""
+    def walked(self, row: int) -> Swarm | None:
+        """Return the colony or hive of the last run, None before any."""
 
     def observed(self, rows: Rows) -> Observation:
         """Return the observations of some rows, one below the other, in arrays of their own."""
@@ -173,7 +173,7 @@ class PaidEpisodes(Episodes):
 
     def __init__(self, count: int, terms: Terms) -> None:
         super().__init__(count, terms)
-        self._sessions = Sessions(count, terms.budget)
+        self._sessions = Sessions(count, terms.budget, len(terms.problems.names))
 
     def over(self, rows: Rows) -> NDArray[np.bool_]:
         """Return which episodes have ended."""
@@ -183,20 +183,20 @@ class PaidEpisodes(Episodes):
         """Return how the session of an episode stands."""
         return self._sessions.account(row)
 
-    def walked(self, row: int) -> Colony | None:
-        """Return the colony of the last run, None before any; it is walked again, same seed and same ants."""
+    def walked(self, row: int) -> Swarm | None:
+        """Return the colony or hive of the last run, None before any; it is walked again, same seed and same ants."""
         problem, trials = self.problem(row), self.session(row).trials
         if not trials:
             return None
-        colony = Colony(
+        swarm = start(
             problem.scenario,
             rules=problem.rules,
             ants=problem.ants,
             iterations=problem.iterations,
             seed=int(problem.seeds(TRIAL, trials[-1].index, 1)[0]),
         )
-        colony.advance(problem.space.decode(trials[-1].unit)[0], problem.iterations)
-        return colony
+        swarm.advance(problem.space.decode(trials[-1].unit)[0], problem.iterations)
+        return swarm
 
     def _open(self, rows: Rows, problems: list[TuningProblem], seeds: NDArray[np.int64]) -> None:
         self._sessions.begin(rows, problems, seeds)

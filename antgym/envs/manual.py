@@ -8,8 +8,11 @@ from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
 from antgym.maps.features import feature_table
 from antgym.maps.recipes import SUITES
+from antgym.planners.parameters import BeeRanges
+from antgym.planners.planning import are_bees
 from antgym.planners.rules import PAPERS
-from antgym.tuning.features import RULES_SHOWN
+from antgym.planners.swarms import find_swarm_rules, parameter_names
+from antgym.tuning.features import BEE_RULES_SHOWN, RULES_SHOWN
 
 _GAPS = ("uniform random", "published default", "SBS", "SBS by rule", "VBS")
 _Regime = TypeVar("_Regime", bound=type[Any])
@@ -20,7 +23,9 @@ def documented(regime: _Regime) -> _Regime:
     if regime.__doc__:  # python -OO strips it
         tables = {
             "actions": ranges_table(),
+            "bee_actions": ranges_table(BEE_RULES_SHOWN),
             "observations": feature_table(regime.features),
+            "disc_observations": feature_table(regime.disc_features),
             "worlds": worlds_table(),
         }
         regime.__doc__ = inspect.cleandoc(regime.__doc__).format(**tables)
@@ -28,19 +33,37 @@ def documented(regime: _Regime) -> _Regime:
 
 
 def ranges_table(rules: Sequence[str] = RULES_SHOWN) -> str:
-    """Return the Markdown table of low < published default < high, a row for each of some rules."""
-    parameters = PAPERS["liu2020"].ranges.space(1.0).parameters
-    names = [f"{'κ' if p.name == 'Q' else p.name} ({p.scale})" for p in parameters]
+    """Return the Markdown table of low < published default < high, a row for each of some rules, of ants or of bees."""
+    ants, bees = PAPERS["liu2020"].ranges.space(1.0), BeeRanges().space(2, 1, 1.0)
+    space = bees if are_bees(rules) else ants
+    names = [f"{'κ' if p.name == 'Q' else p.name} ({p.scale})" for p in space.parameters]
     rows = [f"| rules | {' | '.join(names)} |", "|---|" + "---|" * len(names)]
     for name in rules:
-        cells = [" < ".join(f"{value:.4g}" for value in values) for values in PAPERS[name].ranges]
-        rows.append(f"| {name} | {' | '.join(cells)} |")
+        cells = [" < ".join(f"{value:.4g}" for value in values) for values in find_swarm_rules(name).ranges]
+        chosen = len(parameter_names(name))
+        rows.append(f"| {name} | {' | '.join(cells[:chosen] + ['–'] * (len(cells) - chosen))} |")
     return "\n".join(rows)
+
+
+def ranges_note(rules: Sequence[str]) -> str:
+    """Return the line that says in which units the table of some rules is."""
+    if are_bees(rules):
+        return "limit / (sources · dimensions), tabu_radius / (width · √dimensions)"
+    return "κ = Q / (straight line from start to goal · initial pheromone)"
 
 
 def worlds_table() -> str:
     """Return the Markdown table of all worlds: what their scenarios, rules and efforts are."""
-    headings = ("world", "suite", "rules", "families", "cells a side", "ants", "iterations", "train / test")
+    headings = (
+        "world",
+        "suite",
+        "rules",
+        "families",
+        "cells a side, or discs",
+        "ants, or bees",
+        "iterations",
+        "train / test",
+    )
     rows = [f"| {' | '.join(headings)} |", "|---" * len(headings) + "|"]
     rows += [f"| {' | '.join(world_facts(world).values())} |" for world in WORLDS]
     return "\n".join(rows)

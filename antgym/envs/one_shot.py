@@ -26,21 +26,22 @@ class OneShotEpisodes(PaidEpisodes):
 
 @documented
 class OneShotEnv(TuningEnv):
-    """Choose the parameters of an ant colony once, for a map it has not walked yet.
+    """Choose the parameters of an ant colony, or of a hive of bees, once, for a map that it has not seen yet.
 
     ## Description
     A scenario of the suite is drawn: a world, a start, a goal, the rules of a colony, and an effort (ants and
     iterations). The agent sees features of it and picks (α, β, ρ, Q); the colony runs once; the reward is how close
-    its path comes to the exact optimum. It is hard because the best setting depends on the map, on the effort and on
-    the rules, and because a run is noisy.
+    its path comes to the exact optimum. In `Bee` and `TabuBee` a hive flies among discs, and the agent picks (limit,
+    ξ_max, ξ_min), and the tabu radius where there is a tabu list; ants are bees then, and iterations cycles. It is
+    hard because the best setting depends on the map, on the effort and on the rules, and because a run is noisy.
 
     One world of the catalogue is one suite:
 
     {worlds}
 
     The flat families, `rooms`, `mazes`, `clutter` and `warehouse`, are walked from cell to cell, to eight neighbours;
-    the others are cubes, walked layer by layer, in which a blind valley kills an ant. The split `ood` holds larger
-    worlds, other families and windows of real terrain.
+    the others are cubes, walked layer by layer, in which a blind valley kills an ant; `corridors`, `wu2018` and
+    `scatter` are discs in the plane. The split `ood` holds larger worlds, other families and windows of real terrain.
 
     ## Action Space
     `Box(-1, 1, (4,), float32)`: α, β, ρ, Q, each from its low end (-1) over the published default of the scenario's
@@ -50,6 +51,12 @@ class OneShotEnv(TuningEnv):
     {actions}
 
     κ = Q / (straight line from start to goal · initial pheromone), the only form in which Q acts.
+
+    Of bees, `Box(-1, 1, (3,), float32)`, or `(4,)` where there is a tabu list; limit is given over sources ·
+    dimensions, the radius over the world's width · √dimensions, and a path of 12 way-points has 24 dimensions:
+
+    {bee_actions}
+
     `info["parameters"]` gives natural values, `encode()` the way back.
 
     ## Observation Space
@@ -57,11 +64,15 @@ class OneShotEnv(TuningEnv):
 
     {observations}
 
+    Among discs:
+
+    {disc_observations}
+
     With `observation="map"` a `Dict`: `features` is this vector, `map` a `Box(0, 1, float32)` of the down-sampled
     world, stretched to (3, 16, 16, 16), in suites that are flat throughout to (3, 32, 32): the blocked share of every
     block, then marks of start and goal. `"map3d"` and `"map2d"` ask for one of these shapes; a flat world in 3D is
-    its level at every height, a voxel world in 2D is seen from above. `antgym.envs.sb3.MapExtractor` reads the map by
-    convolutions; the `MultiInputPolicy` of stable-baselines3 alone flattens it.
+    its level at every height, as discs are, a voxel world in 2D is seen from above. `antgym.envs.sb3.MapExtractor`
+    reads the map by convolutions; the `MultiInputPolicy` of stable-baselines3 alone flattens it.
 
     ## Rewards
     - `"gap"` (default): −min(gap, 1) in [−1, 0], gap = (L − L*) / L*; a run without a path pays −1.
@@ -110,7 +121,7 @@ class OneShotEnv(TuningEnv):
     * v0: first release (not frozen yet)
 
     ## References
-    The docstring of `antgym.planners.rules` names paper and equations of every rule.
+    The docstrings of `antgym.planners.rules` and `antgym.planners.bee_rules` name paper and equations of every rule.
     """
 
     _kind = OneShotEpisodes

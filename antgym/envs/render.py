@@ -1,89 +1,42 @@
-"""Pictures of the last run: terrain from above and from the side, pheromone and path over it; numpy only."""
+"""Pictures of the last run: the world, and the path and what the swarm left over it; numpy only."""
 
-from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.planners.colony import Colony
+from antgym.envs import disc_pictures, grid_pictures
+from antgym.maps.discs import DiscWorld
+from antgym.planners.planning import are_bees
+from antgym.planners.swarms import Swarm
 from antgym.tuning.problem import TuningProblem
 
-SIDE = 480  # pixels of the longer edge of a panel
-_SHADES = " .:-=+*%"
-_LOW, _HIGH = np.array([0.93, 0.91, 0.86]), np.array([0.35, 0.30, 0.27])  # valley and summit
-_PHEROMONE, _PATH = np.array([0.10, 0.55, 0.75]), np.array([0.85, 0.15, 0.10])
-_START, _GOAL = np.array([0.10, 0.60, 0.20]), np.array([0.95, 0.70, 0.05])
 
+def ansi(problem: TuningProblem, swarm: Swarm | None) -> str:
+    """Return the map from above, x to the right, y up, ``o`` the path, ``S`` and ``G`` its ends.
 
-def ansi(problem: TuningProblem, colony: Colony | None) -> str:
-    """Return the map from above, x to the right, y up: shades are heights, ``o`` the path, ``S`` and ``G`` its ends."""
-    height = _relative_height(problem.scenario.world.free)
-    canvas = np.array(list(_SHADES))[np.minimum(height * len(_SHADES), len(_SHADES) - 1).astype(int)]
-    lines = [
-        f"{problem.scenario.name}: {problem.ants} ants, {problem.iterations} iterations, {problem.rules}"
-    ]
-    if colony is not None:
-        plan, values = colony.result(), colony.parameters._asdict()
-        for x, y, _ in plan.path:
-            canvas[x, y] = "o"
-        lines += [", ".join(f"{name} {value:.4g}" for name, value in values.items())]
+    Shades are heights; among discs ``#`` is one of these, and ``.`` a way-point of some source.
+    """
+    ants, iterations = ("bees", "cycles") if are_bees(problem.rules) else ("ants", "iterations")
+    effort = f"{problem.ants} {ants}, {problem.iterations} {iterations}"
+    lines = [f"{problem.scenario.name}: {effort}, {problem.rules}"]
+    if swarm is not None:
+        plan, values = swarm.result(), zip(problem.space.names, swarm.parameters, strict=False)
+        lines += [", ".join(f"{name} {value:.4g}" for name, value in values)]
         lines += [
             f"length {plan.length:.2f}, optimum {problem.scenario.optimum:.2f}"
             if plan.solved
             else plan.status
         ]
-    canvas[problem.scenario.start[:2]], canvas[problem.scenario.goal[:2]] = "S", "G"
+    canvas = _pictures(problem).canvas(problem.scenario, swarm)
     return "\n".join(lines + ["".join(row) for row in canvas.T[::-1]])
 
 
-def rgb_array(problem: TuningProblem, colony: Colony | None) -> NDArray[np.uint8]:
-    """Return two panels, (h, w, 3) uint8: from above (x, y) and from the side (x, z), both with x to the right.
-
-    A flat world is shown from above alone.
-    """
-    scenario = problem.scenario
-    path, cells, amounts = np.empty((0, 3), np.int64), np.empty((0, 3), np.int64), np.empty(0)
-    if colony is not None:
-        path, (cells, amounts) = colony.result().path, colony.pheromone()
-    height = _relative_height(scenario.world.free)
-    skyline = scenario.world.free.min(axis=1)  # a cell of the side view is open where it is free for every y
-    side = np.where(skyline, 0.05, 0.2 + 0.6 * (1 - scenario.world.free.mean(axis=1)))
-    panels = []
-    for shade, axis in ((height, 1), (side, 2))[: 1 if scenario.world.shape[2] == 1 else 2]:
-        image = _LOW + shade[..., None] * (_HIGH - _LOW)
-        glow = np.zeros(shade.shape)
-        np.maximum.at(glow, (cells[:, 0], cells[:, axis]), amounts)
-        image += 0.8 * glow[..., None] * (_PHEROMONE - image)
-        scale = max(1, SIDE // max(shade.shape))
-        pixels = image.repeat(scale, axis=0).repeat(scale, axis=1)
-        _draw_line(pixels, path[:, [0, axis]], scale)
-        for end, colour in ((scenario.start, _START), (scenario.goal, _GOAL)):
-            _draw_dot(pixels, np.array([end[0], end[axis]]), scale, 0.45, colour)
-        panels.append(pixels.transpose(1, 0, 2)[::-1])
-    gap = np.ones((4, panels[0].shape[1], 3))
-    stacked = np.vstack([panels[0], *(part for panel in panels[1:] for part in (gap, panel))])
-    return np.round(255 * np.clip(stacked, 0, 1)).astype(np.uint8)
+def rgb_array(problem: TuningProblem, swarm: Swarm | None) -> NDArray[np.uint8]:
+    """Return the picture, (h, w, 3) uint8: discs from above, grids also from the side where they are not flat."""
+    picture = _pictures(problem).pixels(problem.scenario, swarm)
+    return np.round(255 * np.clip(picture, 0, 1)).astype(np.uint8)
 
 
-def _relative_height(free: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Return the height of every column, (nx, ny) in [0, 1]: its highest blocked cell."""
-    levels = free.shape[2]
-    return np.where((free == 0).any(axis=2), levels - (free == 0)[:, :, ::-1].argmax(axis=2), 0) / levels
-
-
-def _draw_line(pixels: NDArray[np.float64], cells: NDArray[np.int64], scale: int) -> None:
-    for here, there in pairwise(cells):
-        for t in np.linspace(0, 1, 2 * scale):
-            _draw_dot(pixels, here + t * (there - here), scale, 0.12, _PATH)
-
-
-def _draw_dot(
-    pixels: NDArray[np.float64],
-    cell: NDArray[np.float64],
-    scale: int,
-    size: float,
-    colour: NDArray[np.float64],
-) -> None:
-    radius = max(1, round(size * scale))
-    row, column = np.round((cell + 0.5) * scale).astype(int)
-    pixels[max(0, row - radius) : row + radius, max(0, column - radius) : column + radius] = colour
+def _pictures(problem: TuningProblem) -> Any:
+    return disc_pictures if isinstance(problem.scenario.world, DiscWorld) else grid_pictures

@@ -3,10 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 from antgym.errors import ParameterError
+from antgym.maps.discs import DiscWorld
 from antgym.maps.suites import Suite, SuiteItem, load_suite
 from antgym.maps.world import Scenario
+from antgym.planners.swarms import parameter_names
 from antgym.tuning.problem import TuningProblem
 
 
@@ -17,8 +20,14 @@ class OwnSuite(tuple[SuiteItem, ...]):
 
     @property
     def flat(self) -> bool:
-        """Whether every world is one cell high."""
-        return all(item.scenario.world.shape[2] == 1 for item in self)
+        """Whether every world is one cell high, or lies in the plane."""
+        worlds = [item.scenario.world for item in self]
+        return all(isinstance(world, DiscWorld) or world.shape[2] == 1 for world in worlds)
+
+    @property
+    def rules(self) -> tuple[str, ...]:
+        """The rules that plan them; all of ants, or all of bees."""
+        return tuple(dict.fromkeys(item.rules for item in self))
 
 
 Items = Suite | OwnSuite
@@ -32,7 +41,8 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
         split: of a named suite.
 
     Raises:
-        ParameterError: where an item, its rules or its effort cannot be used, and where a split is asked of items.
+        ParameterError: where an item, its rules or its effort cannot be used, where rules choose different parameters,
+            and where a split is asked of items.
         ScenarioError: where no path leads through a scenario; a training should not find that out on its way.
     """
     if isinstance(suite, str):
@@ -53,11 +63,17 @@ def _checked(items: Sequence[SuiteItem]) -> OwnSuite:
                 f"suite[{i}] = {item!r}: needs a SuiteItem(name, scenario, ants, iterations, rules)"
             )
         _ = TuningProblem(item.scenario, item.rules, item.ants, item.iterations).scenario.optimum
+        names = parameter_names(items[0].rules), parameter_names(item.rules)
+        if names[0] != names[1]:
+            raise ParameterError(
+                f"suite[{i}]: rules {item.rules!r} choose {names[1]}, and those of suite[0] {names[0]}; an environment "
+                "has one action space, so make one of each"
+            )
     return OwnSuite(item._replace(scenario=_named(item.scenario, str(item.name))) for item in items)
 
 
 @lru_cache(maxsize=4096)
-def _named(scenario: Scenario, name: str) -> Scenario:
+def _named(scenario: Scenario[Any, Any], name: str) -> Scenario[Any, Any]:
     """Return a scenario under an item's name: one object for every slot of a batch, with what is cached on it."""
     if scenario.name == name:
         return scenario

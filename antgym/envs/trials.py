@@ -41,7 +41,7 @@ class TrialsEpisodes(PaidEpisodes):
 
 @documented
 class TrialsEnv(TuningEnv):
-    """Tune an ant colony on one map, one planner run at a time.
+    """Tune an ant colony, or a hive of bees, on one map, one planner run at a time.
 
     ## Description
     A scenario is drawn as in OneShot and stays for the whole episode. Every step pays for one run of a setting and
@@ -55,7 +55,9 @@ class TrialsEnv(TuningEnv):
 
     {actions}
 
-    κ = Q / (straight line from start to goal · initial pheromone).
+    κ = Q / (straight line from start to goal · initial pheromone). Of bees:
+
+    {bee_actions}
 
     ## Observation Space
     `Box(float32)`: the features of the task, then the share of the budget left, the incumbent's setting and mean
@@ -63,6 +65,10 @@ class TrialsEnv(TuningEnv):
     Costs are length / straight line, shown as log10, clipped to [0, 1]; settings in [0, 1].
 
     {observations}
+
+    Among discs:
+
+    {disc_observations}
 
     With `observation="map"` a `Dict` of this vector, `features`, and the down-sampled world, `map`, as in OneShot.
 

@@ -109,10 +109,9 @@ class NativeVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         parts.append((anew, self._begin(anew)))
         return self._observations(), rewards, ends, np.zeros(self.num_envs, bool), self._gathered(parts)
 
-    def encode(self, *, alpha: float, beta: float, rho: float, Q: float) -> NDArray[np.float32]:
+    def encode(self, **naturals: float) -> NDArray[np.float32]:
         """Return the (n, d) actions of natural values in the slots' episodes; ParameterError outside their ranges."""
-        values = {"alpha": alpha, "beta": beta, "rho": rho, "Q": Q}
-        return np.stack([env.encode(**values) for env in self.envs])
+        return np.stack([env.encode(**naturals) for env in self.envs])
 
     def render(self) -> tuple[Any, ...]:
         """Return the pictures of all slots."""

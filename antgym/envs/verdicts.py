@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.envs.infos import Columns
-from antgym.planners.parameters import ColonyParameters
 from antgym.tuning.problem import COST_CAP, TuningProblem, gaps
 
 REWARDS = ("gap", "length", "improvement")
@@ -38,7 +37,7 @@ def judged(problems: Sequence[TuningProblem], verdicts: Verdicts) -> Columns:
         "optimum": np.array([problem.scenario.optimum for problem in problems]),
         "gap": gaps(problems, lengths),
         "solved": np.isfinite(lengths),
-        "parameters": dict(zip(ColonyParameters._fields, verdicts.parameters.T, strict=True)),
+        "parameters": dict(zip(problems[0].space.names, verdicts.parameters.T, strict=True)),
         **verdicts.facts,
     }
 

@@ -1,6 +1,7 @@
 """Disc charts: a scenario among discs as the small picture that grids have, too."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from antgym.maps.disc_features import raster
 from antgym.maps.discs import DiscWorld, Point
@@ -40,17 +41,20 @@ class DiscChart:
     def _drawn(self, flat: bool) -> Picture:
         side = (FLAT if flat else SOLID)[0]
         plane = np.zeros((3, side, side), dtype=np.float32)
-        blocked = raster(self._world, FINE * side) <= 0
+        blocked = raster(self._world, FINE * side, FINE * side) <= 0
         plane[0] = blocked.reshape(side, FINE, side, FINE).mean(axis=(1, 3))
-        for channel, end in zip(plane[1:], self._ends, strict=True):
-            channel[block_of(self._world, end, side)] = 1.0
+        for channel, (column, row) in zip(
+            plane[1:], blocks_of(self._world, self._ends, side, side), strict=True
+        ):
+            channel[column, row] = 1.0
         if flat:
             return plane
         return np.ascontiguousarray(np.broadcast_to(plane[..., None], picture_shape(False)))
 
 
-def block_of(world: DiscWorld, point: Point, side: int) -> tuple[int, int]:
-    """Return which of side × side equal blocks of the bounds a point of them lies in."""
+def blocks_of(world: DiscWorld, points: ArrayLike, columns: int, rows: int) -> NDArray[np.int64]:
+    """Return which of columns × rows equal blocks of the bounds (n, 2) points of them lie in, (n, 2)."""
     x_min, x_max, y_min, y_max = world.bounds
-    x, y = (point[0] - x_min) / (x_max - x_min), (point[1] - y_min) / (y_max - y_min)
-    return min(int(x * side), side - 1), min(int(y * side), side - 1)
+    shares = (np.asarray(points, dtype=np.float64) - (x_min, y_min)) / (x_max - x_min, y_max - y_min)
+    last = np.array([columns, rows]) - 1
+    return np.minimum((shares * (columns, rows)).astype(np.int64), last)

@@ -88,12 +88,13 @@ def clearances_at(world: DiscWorld, points: Floats) -> Floats:
     return nearest
 
 
-def raster(world: DiscWorld, side: int) -> Floats:
-    """Return clearances at the centres of side × side equal blocks of the bounds, (side, side), x first."""
+def raster(world: DiscWorld, columns: int, rows: int) -> Floats:
+    """Return clearances at the centres of equal blocks of the bounds, (columns, rows): x first."""
     x_min, x_max, y_min, y_max = world.bounds
-    share = (np.arange(side) + 0.5) / side
-    x, y = np.meshgrid(x_min + share * (x_max - x_min), y_min + share * (y_max - y_min), indexing="ij")
-    return clearances_at(world, np.stack([x.ravel(), y.ravel()], axis=1)).reshape(side, side)
+    x = x_min + (np.arange(columns) + 0.5) / columns * (x_max - x_min)
+    y = y_min + (np.arange(rows) + 0.5) / rows * (y_max - y_min)
+    points = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    return clearances_at(world, points).reshape(columns, rows)
 
 
 def _fields(scenario: DiscScenario) -> _Fields:
@@ -107,7 +108,7 @@ def _fields(scenario: DiscScenario) -> _Fields:
     x_min, x_max, y_min, y_max = world.bounds
     inside = (points >= (x_min, y_min)).all(axis=1) & (points <= (x_max, y_max)).all(axis=1)
     gaps = np.where(inside, clearances_at(world, points), -np.inf)
-    return _Fields(raster(world, RASTER), gaps.reshape(SLICES, ACROSS), offsets, straight)
+    return _Fields(raster(world, RASTER, RASTER), gaps.reshape(SLICES, ACROSS), offsets, straight)
 
 
 def _sizes(scenario: DiscScenario) -> dict[str, float]:

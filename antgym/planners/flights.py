@@ -92,22 +92,25 @@ class Flights:
         return Plan(length, path, h.best[span], h.mean[span], h.arrived[span], made, "bee")
 
 
-def new_comb(runs: Any) -> Comb:
-    """Return a comb for every one of (B,) records of FLIGHT."""
-    return _comb_of(*_sizes(runs))
+def fitted(comb: Comb | None, runs: Any) -> Comb:
+    """Return a comb that is done with, or a larger one, for every one of (B,) records of FLIGHT."""
+    sizes = _sizes(runs)
+    if comb is not None:
+        have = len(comb.value), comb.place.shape[2] - 2, len(comb.tabu), len(comb.gaps)
+        sizes = tuple(map(max, have, sizes))
+        if sizes == have:
+            return comb
+    return _comb_of(*sizes)
 
 
 class _Workspace(threading.local):
     """The comb of the calling thread."""
 
-    sizes: tuple[int, ...] = (0, 0, 0, 0)
-    comb: Comb
+    comb: Comb | None = None
 
     def reserve(self, runs: Any) -> Comb:
         """Return this thread's comb, grown to fit every one of (B,) records of FLIGHT."""
-        sizes = tuple(map(max, self.sizes, _sizes(runs)))
-        if sizes != self.sizes:
-            self.comb, self.sizes = _comb_of(*sizes), sizes
+        self.comb = fitted(self.comb, runs)
         return self.comb
 
 
@@ -181,12 +184,10 @@ def _packed(scenarios: list[DiscScenario], runs: Any) -> Discs:
     return Discs(np.ascontiguousarray(x), np.ascontiguousarray(y), np.ascontiguousarray(radius))
 
 
-def _sizes(runs: Any) -> tuple[int, int, int, int]:
+def _sizes(runs: Any) -> tuple[int, ...]:
     """Return the sources, way-points, tabu entries and discs that a comb for the runs has room for."""
     discs = runs["last"] - runs["first"]
-    most = (int(part.max(initial=1)) for part in (runs["sources"], runs["points"], runs["tabu"], discs))
-    sources, points, tabu, most_discs = most
-    return sources, points, tabu, most_discs
+    return tuple(int(part.max(initial=1)) for part in (runs["sources"], runs["points"], runs["tabu"], discs))
 
 
 def _comb_of(sources: int, points: int, tabu: int, discs: int) -> Comb:

@@ -7,13 +7,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import ParameterError
 from antgym.kernels.bees import begin, fly_block
-from antgym.kernels.hive import MADE
+from antgym.kernels.hive import MADE, Comb
 from antgym.maps.discs import DiscScenario
 from antgym.planners.bee_rules import BeeRules, find_bee_rules
-from antgym.planners.flights import Flights, new_comb, write_bee_parameters
+from antgym.planners.diagnosis import Diagnosis
+from antgym.planners.flights import Flights, fitted, write_bee_parameters
 from antgym.planners.parameters import BeeParameters, check_bee_parameters
 from antgym.planners.pausing import advance_together
 from antgym.planners.plans import Plan
+
+LOOKED_AT = 32  # sources, at most, that are told apart
+APART = 0.01  # of the world's width: sources whose way-points all lie closer are the same
 
 
 class Hive:
@@ -26,6 +30,7 @@ class Hive:
     Args:
         scenario, rules, ants, iterations, seed: as for :func:`~antgym.planners.planning.plan`; ants are bees and
             iterations their cycles.
+        buffers: what another hive released; without them, new ones are made.
     """
 
     def __init__(
@@ -36,6 +41,7 @@ class Hive:
         ants: int = 40,
         iterations: int = 100,
         seed: int = 0,
+        buffers: Comb | None = None,
     ) -> None:
         default = BeeParameters(1.0, 1.0, 1.0, 0.0)
         self._flights = Flights.of([scenario], [default], rules, ants, iterations, [seed])
@@ -43,12 +49,19 @@ class Hive:
         self._asked = {"rules": rules, "ants": ants, "iterations": iterations, "seed": seed}
         self._blocks: list[tuple[BeeParameters, int]] = []
         self._iterations, self._done, self._next = iterations, 0, default
-        self._comb = new_comb(self._flights.runs)
+        self._since, self._first = 0, np.inf
+        self._kept: Comb | None = fitted(buffers, self._flights.runs)
         with np.errstate(over="ignore"):
             begin(self._flights.runs[0], self._flights.discs, self._comb)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _flown_again, (self._scenario, self._asked, self._blocks)
+
+    @property
+    def _comb(self) -> Comb:
+        if self._kept is None:
+            raise ParameterError("this hive has released its buffers; nothing more can be asked of it")
+        return self._kept
 
     @property
     def parameters(self) -> BeeParameters:
@@ -91,6 +104,38 @@ class Hive:
         """Fly some more cycles under (limit, ξ_max, ξ_min, radius); ParameterError if more than are left."""
         advance_together([self], parameters, [iterations])
 
+    def diagnosis(self) -> Diagnosis:
+        """Return how the run stands after its last block, in the words of a colony's.
+
+        ``arrived`` is the share of sources that are clear of discs, ``branching`` how far apart the sources lie, the
+        mean standard deviation of their coordinates over that of random ones, and ``distinct`` the share of different
+        sources; where a distance to the discs is to be kept, a better path may be longer, which gains nothing.
+        """
+        if not self._blocks:
+            return Diagnosis()
+        history, sources = self._flights.history, self.sources
+        best = history.best[: self._done]
+        before = float(best[self._since - 1]) if self._since else np.inf
+        changes = np.flatnonzero(best[1:] != best[:-1])
+        still = self._done - 1 - (int(changes[-1]) + 1 if len(changes) else 0)
+        return Diagnosis(
+            self._done / self._iterations,
+            self.best,
+            self._first,
+            _gained(before, self.best),
+            float(history.mean[self._done - 1]),
+            (self._done if self.best == np.inf else still) / self._iterations,
+            float(history.arrived[self._since : self._done].mean()) / len(sources),
+            _spread(sources, self._scenario.world.bounds),
+            _distinct(sources, APART * self._scenario.world.width),
+        )
+
+    def release(self) -> Comb:
+        """Give the buffers away to another hive; nothing more can be asked of this one."""
+        comb = self._comb
+        self._kept = None
+        return comb
+
     def result(self) -> Plan:
         """Return the plan as it stands; its history covers the cycles flown."""
         flights = self._flights
@@ -104,9 +149,30 @@ class Hive:
         self._next = BeeParameters(*values[0].tolist())
 
     def _walk(self, iterations: int) -> None:
-        flights, self._done = self._flights, self._done + iterations
+        flights, self._since, self._done = self._flights, self._done, self._done + iterations
         fly_block(flights.discs, flights.runs, self._comb, flights.history, self._done)
         self._blocks.append((self._next, iterations))
+        if self._first == np.inf:
+            self._first = self.best
+
+
+def _gained(before: float, after: float) -> float:
+    """Return the share by which the shortest length fell; 1 for the first path."""
+    if before == np.inf:
+        return float(after < np.inf)
+    return max((before - after) / before, 0.0)
+
+
+def _spread(sources: NDArray[np.float64], bounds: tuple[float, float, float, float]) -> float:
+    x_min, x_max, y_min, y_max = bounds
+    random = np.array([x_max - x_min, y_max - y_min]) / np.sqrt(12)
+    return min(float((sources[:, 1:-1].std(axis=0) / random).mean()), 1.0)
+
+
+def _distinct(sources: NDArray[np.float64], apart: float) -> float:
+    looked_at = sources[:LOOKED_AT].reshape(min(len(sources), LOOKED_AT), -1)
+    same = np.abs(looked_at[:, None] - looked_at[None]).max(axis=2) < apart
+    return 1.0 - float(np.tril(same, -1).any(axis=1).mean())
 
 
 def _flown_again(

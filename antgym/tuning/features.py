@@ -1,17 +1,25 @@
-"""Features of a task: the scenario's descriptors, the effort it is planned with, and the colony's rules."""
+"""Features of a task: the scenario's descriptors, the effort it is planned with, and the swarm's rules.
+
+Grids and disc worlds have tables of their own, each with the rules that there are for it: what an agent has learnt of
+one kind does not change with the other.
+"""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antgym.maps.disc_features import DISC_FEATURES
+from antgym.maps.discs import DiscWorld
 from antgym.maps.features import FEATURES, Feature
 from antgym.maps.world import Scenario
-from antgym.planners.rules import Rules
+from antgym.planners.planning import AnyRules
 
+_RULES = "rules_"  # how the name of a feature begins that shows a rule
 EFFORT_FEATURES = (
-    Feature("ants", 0.0, 1.0, "log10 of the ants per iteration, / 3"),
-    Feature("iterations", 0.0, 1.0, "log10 of the iterations per run, / 4"),
+    Feature("ants", 0.0, 1.0, "log10 of the ants per iteration, or of the bees, / 3"),
+    Feature("iterations", 0.0, 1.0, "log10 of the iterations per run, or of the cycles, / 4"),
 )
 RULES_SHOWN = (
     "liu2020",
@@ -28,23 +36,49 @@ RULES_SHOWN = (
     "wei2018",
     "wei2018-basic",
 )
-"""Every published rule, in the order of its features. New ones are appended: the order is what policies have learnt."""
-RULE_FEATURES = tuple(
-    Feature(f"rules_{name}", 0.0, 1.0, f"1 if the colony goes by the rules of {name}") for name in RULES_SHOWN
+"""Every published rule of ants, in the order of its features. New ones are appended: the order is what policies have
+learnt."""
+BEE_RULES_SHOWN = (
+    "wu2018",
+    "wu2018-paper",
+    "wu2018-basic",
+    "wu2018-basic-paper",
+    "abc_standard",
+    "abc_gbest",
 )
-TASK_FEATURES: tuple[Feature, ...] = (*FEATURES, *EFFORT_FEATURES, *RULE_FEATURES)
+"""Likewise of bees."""
+
+
+def _rule_features(names: Sequence[str]) -> tuple[Feature, ...]:
+    return tuple(
+        Feature(f"{_RULES}{name}", 0.0, 1.0, f"1 if the colony goes by the rules of {name}") for name in names
+    )
+
+
+TASK_FEATURES: tuple[Feature, ...] = (*FEATURES, *EFFORT_FEATURES, *_rule_features(RULES_SHOWN))
+DISC_TASK_FEATURES: tuple[Feature, ...] = (
+    *DISC_FEATURES,
+    *EFFORT_FEATURES,
+    *_rule_features(BEE_RULES_SHOWN),
+)
 
 
 def task_features(
-    scenario: Scenario, ants: int, iterations: int, rules: str | Rules = "liu2020"
+    scenario: Scenario[Any, Any], ants: int, iterations: int, rules: AnyRules = "liu2020"
 ) -> NDArray[np.float32]:
-    """Return the (len(TASK_FEATURES),) float32 features; nothing in them depends on the optimum.
+    """Return the float32 features of :func:`task_table`; nothing in them depends on the optimum.
 
     Rules that are given as data, not by a published name, are shown as none of the published ones.
     """
     effort = np.clip([np.log10(ants) / 3, np.log10(iterations) / 4], 0.0, 1.0)
-    shown = [name == rules for name in RULES_SHOWN]
+    discs = isinstance(scenario.world, DiscWorld)
+    shown = [name == rules for name in (BEE_RULES_SHOWN if discs else RULES_SHOWN)]
     return np.concatenate([scenario.descriptors, effort, shown]).astype(np.float32)
+
+
+def task_table(discs: bool) -> tuple[Feature, ...]:
+    """Return the table of the features of tasks among discs, or on grids."""
+    return DISC_TASK_FEATURES if discs else TASK_FEATURES
 
 
 def feature_bounds(features: Sequence[Feature]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -55,6 +89,6 @@ def feature_bounds(features: Sequence[Feature]) -> tuple[NDArray[np.float32], ND
 
 def shown_rules(features: NDArray[np.float32]) -> str | None:
     """Return the published rules that the features of a task show; None where they show rules of one's own."""
-    first = TASK_FEATURES.index(RULE_FEATURES[0])
-    shown = np.flatnonzero(features[first : first + len(RULES_SHOWN)])
-    return RULES_SHOWN[shown[0]] if len(shown) else None
+    table = DISC_TASK_FEATURES if len(features) == len(DISC_TASK_FEATURES) else TASK_FEATURES
+    shown = (f.name for f, value in zip(table, features, strict=True) if value and f.name.startswith(_RULES))
+    return next(shown, "").removeprefix(_RULES) or None

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.tuning.features import TASK_FEATURES
+from antgym.maps.features import Feature
+from antgym.tuning.features import TASK_FEATURES, feature_bounds
 from antgym.tuning.problem import COST_CAP, Task
 from antgym.tuning.session import Trial, incumbent
 
@@ -46,7 +47,7 @@ def observe_together(
     """Return what :func:`observe` shows of n tasks in one array, (n, m).
 
     Args:
-        features: (n, len(TASK_FEATURES)), of the tasks.
+        features: (n, m), of the tasks; all on grids, or all among discs.
         left: (n,), shares of their budgets.
         units: (n, 1 + window, d), settings: the incumbent's, then those of the last trials, latest first; 0 where
             there is none yet.
@@ -72,13 +73,13 @@ def observe_with_map(
     return {"features": observe(task, trials, window=window), "map": task.map(flat).copy()}
 
 
-def bounds(dimension: int, *, window: int = 0) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return (low, high) of :func:`observe` for a space of ``dimension`` parameters."""
-    low, high = [f.low for f in TASK_FEATURES], [f.high for f in TASK_FEATURES]
-    if window:
-        extra = 1 + dimension + 1 + window * (dimension + 2)
-        low, high = low + [0.0] * extra, high + [1.0] * extra
-    return np.array(low, dtype=np.float32), np.array(high, dtype=np.float32)
+def bounds(
+    dimension: int, *, window: int = 0, features: Sequence[Feature] = TASK_FEATURES
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return (low, high) of :func:`observe` for a space of ``dimension`` parameters and a table of features."""
+    extra = 1 + dimension + 1 + window * (dimension + 2) if window else 0
+    low, high = feature_bounds(features)
+    return np.pad(low, (0, extra)), np.pad(high, (0, extra), constant_values=1.0)
 
 
 def shown_cost(cost: float) -> float:

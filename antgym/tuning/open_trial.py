@@ -1,25 +1,26 @@
 """A trial under way: one paid planner run that is steered, block by block; see :meth:`Session.open`."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import ParameterError
-from antgym.planners.buffers import Buffers
-from antgym.planners.colony import Colony, advance_together
-from antgym.planners.parameters import ColonyParameters
+from antgym.planners.pausing import advance_together
+from antgym.planners.swarms import start
 from antgym.tuning.problem import TRIAL, TuningProblem
 
 
 class OpenTrial:
     """One planner run in blocks of equal length up to one, each walked under a setting of its own.
 
-    It walks the ants of an ordinary trial of the same index: with one setting throughout, it finds the same path.
+    It is walked as an ordinary trial of the same index: with one setting throughout, it finds the same path.
 
     Args:
         problem: what is planned.
         index: of this trial in its session.
         blocks: how many, as many as there are iterations at most.
-        buffers: released by a colony that is done with.
+        buffers: released by a run of the same kind that is done with.
 
     Attributes:
         index: of this trial in its session.
@@ -27,15 +28,13 @@ class OpenTrial:
         seed: of the planner.
         units: the settings of the blocks walked so far, each value in [0, 1].
         straight_line: from start to goal, in world units.
-        colony: the run itself; the harness's, for it knows the scenario.
+        colony: the run itself, of ants or of bees; the harness's, for it knows the scenario.
 
     Raises:
         ParameterError: if there are fewer iterations than blocks.
     """
 
-    def __init__(
-        self, problem: TuningProblem, index: int, blocks: int, buffers: Buffers | None = None
-    ) -> None:
+    def __init__(self, problem: TuningProblem, index: int, blocks: int, buffers: Any = None) -> None:
         if not isinstance(blocks, int) or not 1 <= blocks <= problem.iterations:
             raise ParameterError(
                 f"blocks = {blocks!r}: a run of {problem.iterations} iterations is steered in 1 to "
@@ -45,7 +44,8 @@ class OpenTrial:
         self.seed = int(problem.seeds(TRIAL, index, 1)[0])
         self.units: tuple[tuple[float, ...], ...] = ()
         self._iterations, self.straight_line = problem.iterations, problem.scenario.straight_line
-        self.colony = Colony(
+        self._dimension = len(problem.space)
+        self.colony = start(
             problem.scenario,
             rules=problem.rules,
             ants=problem.ants,
@@ -65,9 +65,9 @@ class OpenTrial:
         return self.colony.best
 
     @property
-    def parameters(self) -> ColonyParameters:
+    def parameters(self) -> tuple[float, ...]:
         """Natural values of the last block's setting; ParameterError before any."""
-        return self.colony.parameters
+        return self.colony.parameters[: self._dimension]  # without a tabu list, bees have no radius
 
     @property
     def next_block(self) -> int:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,9 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from antgym.errors import BudgetError, ParameterError, is_count
 from antgym.maps.world import Scenario
 from antgym.planners.batch import MOST_EFFORT
-from antgym.planners.colony import Plans, plan_many
-from antgym.planners.rules import find_rules
+from antgym.planners.planning import plan_many
+from antgym.planners.plans import Plans
+from antgym.planners.rules import Rules
 from antgym.planners.space import ParameterSpace, decode_together
+from antgym.planners.swarms import find_swarm_rules, require_fit, space_of
 from antgym.tuning.features import task_features
 from antgym.tuning.seeding import SEED_LIMIT, child_states
 
@@ -35,9 +38,10 @@ class Task:
 
     Attributes:
         space: the parameters to choose.
-        features: (len(TASK_FEATURES),) float32, the scenario's descriptors, the effort and the rules, bounded.
-        ants: ants per iteration.
-        iterations: iterations per planner run.
+        features: float32, the scenario's descriptors, the effort and the rules, bounded; see
+            :func:`antgym.tuning.features.task_table`.
+        ants: ants per iteration, or bees.
+        iterations: iterations per planner run, or cycles.
         budget: trials the agent may pay for; 0 for a zero-shot recommendation.
         map: called with ``flat`` or nothing, returns the down-sampled map, read-only; see
             :func:`antgym.maps.occupancy.occupancy`. It is drawn when it is first asked for.
@@ -57,24 +61,25 @@ class TuningProblem:
 
     Args:
         scenario: what is planned.
-        rules: name of the colony's rules.
-        ants: ants per iteration, ≥ 1.
-        iterations: iterations per run, ≥ 1.
+        rules: name of the swarm's rules: of ants on a grid, of bees among discs.
+        ants: ants per iteration, ≥ 1, or bees, ≥ 4.
+        iterations: iterations per run, ≥ 1, or cycles.
         seed: root of every planner seed of this problem.
 
     Raises:
-        ParameterError: on unknown rules or an effort below one.
+        ParameterError: on unknown rules, rules that are not for such a world, or an effort that is too small.
     """
 
-    scenario: Scenario
+    scenario: Scenario[Any, Any]
     rules: str = "liu2020"
     ants: int = 20
     iterations: int = 50
     seed: int = 0
 
     def __post_init__(self) -> None:
-        motion, rules = self.scenario.motion, find_rules(self.rules)
-        if motion.layered and motion.check_segments and not rules.check_segments:
+        motion, rules = self.scenario.motion, find_swarm_rules(self.rules)
+        loosely = isinstance(rules, Rules) and not rules.check_segments
+        if motion.layered and motion.check_segments and loosely:
             loose = self.scenario.with_motion(replace(motion, check_segments=False))
             object.__setattr__(self, "scenario", loose)  # with the optimum of that motion
         _require_seed(self.seed)
@@ -84,12 +89,12 @@ class TuningProblem:
                 raise ParameterError(
                     f"{name} = {value!r}: a run needs a whole number from 1 to {MOST_EFFORT:,}"
                 )
+        require_fit(self.rules, self.scenario, self.ants)
 
     @cached_property
     def space(self) -> ParameterSpace:
-        """The rule's parameters, Q scaled to this scenario's straight line."""
-        rules = find_rules(self.rules)
-        return rules.ranges.space(self.scenario.straight_line, rules.initial_pheromone)
+        """The rule's parameters, scaled to this scenario and this swarm."""
+        return space_of(self.rules, self.scenario, self.ants)
 
     def seeded(self, seed: int) -> "TuningProblem":
         """Return the same problem under another seed; the two share space and tasks."""

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import islice
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import LedgerError, ParameterError
-from antgym.planners.buffers import Buffers
 from antgym.planners.space import check_together, decode_together
 from antgym.tuning.budget import Budget
 from antgym.tuning.open_trial import OpenTrial, walk_together
@@ -22,7 +21,7 @@ class Trial(NamedTuple):
         index: 0 for the first trial of the session.
         unit: the setting, each value in [0, 1]; of a steered run the settings of all its blocks, one after the other.
         cost: length / straight-line distance, COST_CAP where no path was found.
-        work: moves that ants made.
+        work: moves that ants made, or paths that bees evaluated.
     """
 
     index: int  # type: ignore[assignment]  # shadows tuple.index, which nobody wants of a trial
@@ -98,7 +97,7 @@ class Session:
         """
         return evaluate_together([(self, units)])[0]
 
-    def open(self, blocks: int, buffers: Buffers | None = None) -> OpenTrial:
+    def open(self, blocks: int, buffers: Any = None) -> OpenTrial:
         """Pay for one run that is steered by :func:`steer_together`; it becomes a trial with its last block.
 
         What a journal keeps of it is the sequence of its settings, and only once it is over: a run that is cut off is
@@ -106,7 +105,7 @@ class Session:
 
         Args:
             blocks: in how many the run is walked; 1 ≤ blocks ≤ iterations.
-            buffers: released by a colony that is done with, see :meth:`antgym.planners.colony.Colony.release`.
+            buffers: released by a colony or a hive that is done with, see ``release`` of either.
 
         Raises:
             ParameterError: on a number of blocks that cannot be walked, or while a trial is under way.

@@ -7,15 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import ParameterError
-from antgym.planners.parameters import ColonyParameters
 from antgym.tuning.budget import Budget
 from antgym.tuning.problem import TRIAL, Runs, Task, TuningProblem, costs
 from antgym.tuning.session import Trial, incumbent
 
-_DIMENSION = len(ColonyParameters._fields)
-_PAID = np.dtype(
-    [("unit", np.float64, _DIMENSION), ("cost", np.float64), ("work", np.int64), ("length", np.float64)]
-)
 _ROOM = 8  # trials that there is room for at first
 
 
@@ -61,6 +56,7 @@ class Sessions:
     Args:
         count: how many.
         budget: trials that each can pay for, ≥ 1.
+        dimension: parameters of the space of every problem.
 
     Attributes:
         problems: (count,) what is tuned, seeds aside; None before it begins.
@@ -70,12 +66,14 @@ class Sessions:
             the first trial.
     """
 
-    def __init__(self, count: int, budget: int) -> None:
+    def __init__(self, count: int, budget: int, dimension: int) -> None:
         self._budget = Budget(budget, count)
-        self._paid = np.zeros((count, min(self._budget.total, _ROOM)), _PAID)
+        plain = ("cost", np.float64), ("work", np.int64), ("length", np.float64)
+        kind = np.dtype([("unit", np.float64, dimension), *plain])
+        self._paid = np.zeros((count, min(self._budget.total, _ROOM)), kind)
         self.problems = np.full(count, None, object)
         self.seeds, self.made = np.zeros((2, count), np.int64)
-        self.best = np.zeros(count, _PAID)
+        self.best = np.zeros(count, kind)
 
     @property
     def total(self) -> int:
@@ -132,7 +130,7 @@ class Sessions:
         indices = self.made[rows, None] - np.maximum(np.arange(1 + window), 1)
         trials = self._paid[rows[:, None], np.maximum(indices, 0)]
         trials[:, 0] = self.best[rows]
-        trials[indices < 0] = np.zeros((), _PAID)
+        trials[indices < 0] = np.zeros((), trials.dtype)
         return trials
 
     def account(self, row: int) -> Account:
@@ -151,7 +149,7 @@ class Sessions:
 
     def _record(self, rows: NDArray[np.intp], units: NDArray[np.float64], ran: Ran) -> None:
         """Enter a trial of each of some sessions, and keep their incumbents."""
-        made, trials = self.made[rows], np.empty(len(rows), _PAID)
+        made, trials = self.made[rows], np.empty(len(rows), self._paid.dtype)
         trials["unit"], trials["cost"] = units, ran.costs
         trials["work"], trials["length"] = ran.moves, ran.lengths
         if made.max() == self._paid.shape[1]:

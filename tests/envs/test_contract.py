@@ -6,28 +6,29 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
+from efforts import flown_by_bees, small
 from gymnasium.envs.registration import EnvSpec, load_env_creator
 from gymnasium.utils.env_checker import check_env
 
 from antgym.envs.catalogue import CATALOGUE
 from antgym.envs.manual import ranges_table
 from antgym.errors import ParameterError
-from antgym.maps.features import FEATURES, feature_table
+from antgym.maps.features import feature_table
 from antgym.maps.occupancy import occupancy, picture_shape
 from antgym.maps.suites import SUITES, load_suite
 from antgym.maps.world import Scenario
-from antgym.planners.rules import PAPERS
+from antgym.planners.planning import are_bees
+from antgym.planners.swarms import space_of
 from antgym.tuning import COST_CAP
-from antgym.tuning.features import EFFORT_FEATURES, RULES_SHOWN
+from antgym.tuning.features import BEE_RULES_SHOWN, RULES_SHOWN, task_table
 
-ZERO = np.zeros(4, np.float32)
 pytestmark = pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
 with_and_without_map = pytest.mark.parametrize("observation", ["features", "map", "map2d"])
 
 
-def small(entry):
-    """An effort that is quick to plan with and that the regime takes."""
-    return [3, max(5, load_env_creator(entry.entry_point).least_iterations)]
+def zero(env):
+    """The action of the published default."""
+    return np.zeros(env.action_space.shape, np.float32)
 
 
 def make(entry, **kwargs):
@@ -49,7 +50,7 @@ def rollout(env, episodes=2, seed=None, actions=0):
         seen.append((frozen(observation), info))
         over = False
         while not over:
-            action = rng.uniform(-1, 1, 4).astype(np.float32)
+            action = rng.uniform(-1, 1, env.action_space.shape).astype(np.float32)
             observation, reward, over, truncated, info = env.step(action)
             seen.append((frozen(observation), reward, over, truncated, info))
     return seen
@@ -57,12 +58,16 @@ def rollout(env, episodes=2, seed=None, actions=0):
 
 def moderate(env):
     """Natural values within the ranges of every rule."""
-    return {"alpha": 0.1, "beta": 0.6, "rho": 0.9, "Q": env.unwrapped.session.problem.scenario.straight_line}
+    problem = env.unwrapped.session.problem
+    if are_bees(problem.rules):
+        values = {"limit": 50.0, "xi_max": 1.2, "xi_min": 0.5, "tabu_radius": 2.0}
+        return {name: values[name] for name in problem.space.names}
+    return {"alpha": 0.1, "beta": 0.6, "rho": 0.9, "Q": problem.scenario.straight_line}
 
 
 def finish(env):
     env.reset(seed=0)
-    while not env.step(ZERO)[2]:
+    while not env.step(zero(env))[2]:
         pass
 
 
@@ -112,7 +117,7 @@ def test_a_pickled_environment_goes_on_like_the_original(entry, begun, observati
     env = make(entry, observation=observation)
     env.reset(seed=3)
     if begun:
-        env.step(ZERO)
+        env.step(zero(env))
     copy = pickle.loads(pickle.dumps(env))
     assert rollout(copy) == rollout(env)
 
@@ -146,7 +151,7 @@ def test_earlier_observations_are_not_written_over(entry, observation):
     env = make(entry, observation=observation)
     first, _ = env.reset(seed=0)
     kept = frozen(first)
-    env.step(ZERO)
+    env.step(zero(env))
     env.reset()
     assert frozen(first) == kept
 
@@ -184,7 +189,7 @@ def test_what_is_drawn_on_a_map_shows_nowhere_else(entry):
     env = make(entry, observation="map")
     seen, _ = env.reset(seed=0)
     seen["map"][:] = 7
-    assert env.step(ZERO)[0] in env.observation_space
+    assert env.step(zero(env))[0] in env.observation_space
     assert 7 not in env.reset(seed=0)[0]["map"]
 
 
@@ -196,13 +201,13 @@ def test_info_holds_plain_values(entry):
 
     env = make(entry)
     assert plain(env.reset(seed=0)[1])
-    assert plain(env.step(ZERO)[4])
+    assert plain(env.step(zero(env))[4])
 
 
 def test_info_tells_what_was_run(entry):
     env = make(entry)
     _, begun = env.reset(seed=0)
-    info = env.step(ZERO)[4]
+    info = env.step(zero(env))[4]
     assert info.items() >= begun.items()
     assert (begun["ants"], begun["iterations"]) == tuple(small(entry))
     assert begun["rules"] in SUITES[entry.kwargs["suite"]].rules
@@ -227,15 +232,16 @@ def test_an_episode_ends_by_termination_alone(entry):
 
 
 def before_and_after_a_path(entry, mode):
-    """Two pictures of the first episode in which an ant arrives: as it begins, and after a step."""
+    """Two pictures of the first episode in which an ant or a bee arrives: as it begins, and once one has."""
     env = make(entry, render_mode=mode)
     for seed in range(20):
         env.reset(seed=seed)
-        before = env.render()
-        info = env.step(env.unwrapped.encode(**moderate(env)))[4]
-        if info["cost"] < COST_CAP if "cost" in info else info["solved"]:
-            return before, env.render()
-    return pytest.fail("no ant arrived in twenty episodes")
+        before, over = env.render(), False
+        while not over:
+            _, _, over, _, info = env.step(env.unwrapped.encode(**moderate(env)))
+            if info["cost"] < COST_CAP if "cost" in info else info["solved"]:
+                return before, env.render()
+    return pytest.fail("nobody arrived in twenty episodes")
 
 
 def test_ansi_shows_ends_and_path(entry):
@@ -260,7 +266,7 @@ def test_rendering_costs_and_changes_nothing(entry):
     drawn, quiet = make(entry, render_mode="rgb_array"), make(entry)
     for env in (drawn, quiet):
         env.reset(seed=1)
-        env.step(ZERO)
+        env.step(zero(env))
     drawn.render()
     assert drawn.unwrapped.planner_runs == quiet.unwrapped.planner_runs
     assert rollout(drawn, 1) == rollout(quiet, 1)
@@ -305,21 +311,29 @@ def test_gymnasium_passes_our_errors_on(entry):
 
 
 @pytest.mark.parametrize(
-    "action",
-    [[1.001, 0, 0, 0], [0, 0, 0, float("nan")], [0, float("inf"), 0, 0], [0, 0, 0], [[0, 0, 0, 0]], 0.5, []],
+    "spoil",
+    [
+        lambda zero: np.where(np.arange(len(zero)) == 0, 1.001, zero),
+        lambda zero: np.where(np.arange(len(zero)) == 2, float("nan"), zero),
+        lambda zero: np.where(np.arange(len(zero)) == 1, float("inf"), zero),
+        lambda zero: zero[1:],
+        lambda zero: zero[None],
+        lambda _: 0.5,
+        lambda _: [],
+    ],
 )
-def test_an_action_outside_the_space_is_refused_and_costs_nothing(entry, action):
+def test_an_action_outside_the_space_is_refused_and_costs_nothing(entry, spoil):
     env = make(entry).unwrapped
     env.reset(seed=0)
     with pytest.raises(ParameterError, match="is no point of Box"):
-        env.step(np.array(action))
+        env.step(np.array(spoil(zero(env))))
     assert env.planner_runs == 0
-    env.step(ZERO)
+    env.step(zero(env))
 
 
 def test_a_step_before_reset_is_refused(entry):
     with pytest.raises(ParameterError, match=r"call reset\(\) first"):
-        make(entry).unwrapped.step(ZERO)
+        make(entry).unwrapped.step([0.0])
 
 
 def test_a_step_after_the_end_is_refused(entry):
@@ -327,7 +341,7 @@ def test_a_step_after_the_end_is_refused(entry):
     finish(env)
     runs = env.unwrapped.planner_runs
     with pytest.raises(ParameterError, match=r"the episode is over; call reset\(\)"):
-        env.step(ZERO)
+        env.step(zero(env))
     assert env.unwrapped.planner_runs == runs
 
 
@@ -344,16 +358,26 @@ def test_action_zero_is_the_published_default_of_the_scenarios_rules(entry):
     env = make(entry)
     for seed in range(5):
         env.reset(seed=seed)
-        info, problem = env.step(ZERO)[4], env.unwrapped.session.problem
-        default = PAPERS[info["rules"]].ranges.space(problem.scenario.straight_line).default
+        info, problem = env.step(zero(env))[4], env.unwrapped.session.problem
+        default = space_of(info["rules"], problem.scenario, info["ants"]).default
         assert list(info["parameters"].values()) == default.tolist()
 
 
 def test_natural_values_outside_their_range_are_named(entry):
     env = make(entry).unwrapped
     env.reset(seed=0)
-    with pytest.raises(ParameterError, match=r"rho = 1.5 lies outside its range"):
-        env.encode(alpha=1, beta=5, rho=1.5, Q=100)
+    name, values = ("limit", moderate(env)) if flown_by_bees(entry) else ("rho", moderate(env))
+    with pytest.raises(ParameterError, match=rf"{name} = 1e\+09 lies outside its range"):
+        env.encode(**{**values, name: 1e9})
+
+
+def test_natural_values_are_named_all_of_them_and_no_other(entry):
+    env = make(entry).unwrapped
+    env.reset(seed=0)
+    first, *rest = moderate(env).items()
+    for values in (dict(rest), {**dict(rest), first[0]: first[1], "gamma": 1.0}):
+        with pytest.raises(ParameterError, match=rf"encode\(\) takes {first[0]}, "):
+            env.encode(**values)
 
 
 def test_a_scenario_can_be_picked(entry):
@@ -390,12 +414,14 @@ def test_each_scenario_comes_with_its_own_effort_and_rules(entry):
 
 
 def test_the_features_say_which_rules_the_colony_goes_by(entry):
-    env, first = make(entry), len(FEATURES) + len(EFFORT_FEATURES)
+    bees = flown_by_bees(entry)
+    env, names = make(entry), BEE_RULES_SHOWN if bees else RULES_SHOWN
+    last = len(task_table(bees))
     for seed in range(5):
         seen, info = env.reset(seed=seed)
-        shown = seen[first : first + len(RULES_SHOWN)]
+        shown = seen[last - len(names) : last]
         assert shown.sum() == 1
-        assert RULES_SHOWN[shown.argmax()] == info["rules"]
+        assert names[shown.argmax()] == info["rules"]
 
 
 def test_nothing_that_an_agent_sees_depends_on_the_optimum(entry, monkeypatch):
@@ -417,8 +443,10 @@ def test_the_docstring_holds_the_tables_of_what_the_environment_reads(entry):
     regime = load_env_creator(entry.entry_point)
     doc = regime.__doc__
     assert ranges_table() in doc
+    assert ranges_table(BEE_RULES_SHOWN) in doc
     assert feature_table(regime.features) in doc
-    assert not any(f"{{{table}}}" in doc for table in ("actions", "observations", "worlds"))
+    assert feature_table(regime.disc_features) in doc
+    assert not any(f"{{{table}}}" in doc for table in ("actions", "bee_actions", "observations", "worlds"))
 
 
 @pytest.mark.parametrize(
@@ -437,8 +465,8 @@ def test_what_cannot_be_made_is_refused_at_once(entry, arguments, message):
 
 
 def test_an_effort_may_be_an_array_and_no_action_a_word(entry):
-    env = gymnasium.make(entry.id, effort=np.array([2, 50])).unwrapped
-    assert env.reset(seed=0)[1]["ants"] == 2
+    env = gymnasium.make(entry.id, effort=np.array([5, 50])).unwrapped
+    assert env.reset(seed=0)[1]["ants"] == 5
     with pytest.raises(ParameterError, match="'abcd'"):
         env.step("abcd")
 

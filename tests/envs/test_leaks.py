@@ -5,7 +5,7 @@ notice. That no world of one split is in another is for ``tests/maps/test_suites
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.envs.registration import load_env_creator
+from efforts import small
 
 from antgym.envs.catalogue import CATALOGUE
 from antgym.maps.suites import load_suite
@@ -26,12 +26,11 @@ def refused(scenario):
 
 
 def settings(entry):
-    least = load_env_creator(entry.entry_point).least_iterations
-    return {"split": "test", "effort": [3, max(5, least)], "observation": "map"}
+    return {"split": "test", "effort": small(entry), "observation": "map"}
 
 
-def actions(count):
-    return np.random.default_rng(3).uniform(-1, 1, (STEPS, count, 4)).astype(np.float32)
+def actions(shape):
+    return np.random.default_rng(3).uniform(-1, 1, (STEPS, *shape)).astype(np.float32)
 
 
 def frozen(observation):
@@ -42,7 +41,7 @@ def played_together(entry):
     """(what agents see and what the planner walked, what rewards are made of) of some steps of a batch."""
     batch = gymnasium.make_vec(entry.id, num_envs=SLOTS, **settings(entry))
     seen, judged = [frozen(batch.reset(seed=3)[0])], []
-    for chosen in actions(SLOTS):
+    for chosen in actions(batch.action_space.shape):
         observations, rewards, ends, _, infos = batch.step(chosen)
         ended = [frozen(last) for last in infos.get("final_obs", ()) if last is not None]
         lengths = infos.get("final_info", infos).get("length", np.zeros(0))
@@ -67,7 +66,7 @@ def seen_alone(entry, picked, step):
     """All that is seen of an episode on one map, stepped by ``step``, and the path that was walked last."""
     env = gymnasium.make(entry.id, **settings(entry)).unwrapped
     seen = [frozen(env.reset(seed=4, options={"scenario": picked})[0])]
-    for (action,) in actions(1):
+    for action in actions(env.action_space.shape):
         step(env, action)
         seen += [frozen(env._episodes.observed(np.array([0]))), repr(env.session.trials)]
         if env.over:

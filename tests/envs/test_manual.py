@@ -7,17 +7,36 @@ from gymnasium.envs.registration import load_env_creator
 
 from antgym.envs import manual
 from antgym.envs.catalogue import CATALOGUE, WORLDS
-from antgym.envs.manual import arguments, cards_table, ranges_table, section, world_facts, worlds_table
+from antgym.envs.manual import (
+    arguments,
+    cards_table,
+    ranges_table,
+    section,
+    world_facts,
+    worlds_table,
+)
+from antgym.maps.discs import DiscWorld
 from antgym.maps.suites import load_suite
+from antgym.planners.bee_rules import BEE_PAPERS
 from antgym.planners.rules import PAPERS
-from antgym.tuning.features import RULES_SHOWN
+from antgym.tuning.features import BEE_RULES_SHOWN, RULES_SHOWN
+
+
+def size_of(world):
+    """Cells a side, or discs."""
+    return len(world.discs) if isinstance(world, DiscWorld) else world.shape[0]
+
 
 README = Path(__file__).parents[2] / "README.md"
 
 
 def test_every_rule_has_its_row_of_ranges():
     rows = ranges_table().splitlines()[2:]
-    assert [row.split(" | ")[0] for row in rows] == [f"| {name}" for name in RULES_SHOWN]
+    bees = ranges_table(BEE_RULES_SHOWN).splitlines()[2:]
+    assert [row.split(" | ")[0] for row in rows + bees] == [
+        f"| {name}" for name in (*RULES_SHOWN, *BEE_RULES_SHOWN)
+    ]
+    assert "| abc_standard | 0.02083 < 1 < 10 | 0.2 < 1 < 1.5 | 0.05 < 1 < 1.5 | – |" in bees
     assert (
         "| liu2020 | 0.01 < 1.303 < 5 | 0.02 < 8.423 < 10 | 0.01 < 0.4152 < 0.999 | 0.001 < 1.171 < 100 |"
         in rows
@@ -53,10 +72,10 @@ def test_a_card_is_a_row_of_the_table(monkeypatch):
 @pytest.mark.parametrize("world", WORLDS)
 def test_facts_of_a_world_are_those_of_its_scenarios(world):
     facts, items = world_facts(world), load_suite(WORLDS[world], "test")[:30]
-    assert {item.rules for item in items} <= set(facts["rules"].split(", ")) <= set(PAPERS)
+    assert {item.rules for item in items} <= set(facts["rules"].split(", ")) <= {*PAPERS, *BEE_PAPERS}
     assert {item.family for item in items} <= set(facts["families"].split(", "))
     for name, values in (
-        ("sizes", [item.scenario.world.shape[0] for item in items]),
+        ("sizes", [size_of(item.scenario.world) for item in items]),
         ("ants", [item.ants for item in items]),
         ("iterations", [item.iterations for item in items]),
     ):

@@ -7,6 +7,7 @@ from copy import deepcopy
 import gymnasium
 import numpy as np
 import pytest
+from efforts import ENTRIES, small
 from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.vector import AutoresetMode
 
@@ -26,7 +27,7 @@ N, ROOT = 3, 5
 
 def settings(env_id):
     few = {"budget": 3, "window": 2} if "Trials" in env_id else {}
-    return {"effort": [3, 40 if "Control" in env_id else 5], **few}
+    return {"effort": small(ENTRIES[env_id]), **few}
 
 
 def native(env_id, count=N, **kwargs):
@@ -58,7 +59,7 @@ def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode, observ
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng = np.random.default_rng(0)
     for _ in range(12):
-        actions = rng.uniform(-1, 1, (N, 4)).astype(np.float32)
+        actions = rng.uniform(-1, 1, batch.action_space.shape).astype(np.float32)
         assert_same(batch.step(actions), alone.step(actions))
     assert_same(batch.reset(), alone.reset())
 
@@ -74,7 +75,7 @@ def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id, obser
         if over.any():
             options = {"reset_mask": over}
             assert_same(batch.reset(options=options), alone.reset(options=options))
-        actions = rng.uniform(-1, 1, (N, 4)).astype(np.float32)
+        actions = rng.uniform(-1, 1, batch.action_space.shape).astype(np.float32)
         results = batch.step(actions), alone.step(actions)
         assert_same(*results)
         over = results[0][2]
@@ -167,7 +168,7 @@ def test_threads_change_nothing(env_id, monkeypatch):
         monkeypatch.setenv("ANTGYM_THREADS", threads)
         batch = native(env_id, 5)
         batch.reset(seed=1)
-        seen.append([batch.step(np.full((5, 4), 0.3, np.float32)) for _ in range(3)])
+        seen.append([batch.step(np.full(batch.action_space.shape, 0.3, np.float32)) for _ in range(3)])
     for one, other in zip(*seen, strict=True):
         assert_same(one, other)
 

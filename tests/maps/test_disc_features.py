@@ -9,7 +9,7 @@ import pytest
 from discs import among, disc_scenarios, scattered
 from hypothesis import given, settings
 
-from antgym.maps.disc_chart import block_of
+from antgym.maps.disc_chart import blocks_of
 from antgym.maps.disc_features import DISC_FEATURES, describe_discs
 from antgym.maps.discs import DiscWorld
 from antgym.maps.features import FEATURES
@@ -115,9 +115,8 @@ def test_a_chart_shows_covered_shares_and_both_ends(flat):
     assert 0 <= picture.min() <= picture.max() <= 1
     side = picture.shape[1]
     for channel, end in zip(picture[1:], (scenario.start, scenario.goal), strict=True):
-        assert {tuple(at[:2]) for at in np.argwhere(channel).tolist()} == {
-            block_of(scenario.world, end, side)
-        }
+        marked = {tuple(at[:2]) for at in np.argwhere(channel).tolist()}
+        assert marked == {tuple(blocks_of(scenario.world, end, side, side).tolist())}
 
 
 def test_a_chart_is_drawn_once_read_only_and_pickled():
@@ -128,4 +127,4 @@ def test_a_chart_is_drawn_once_read_only_and_pickled():
 
 
 def test_an_end_on_the_border_lies_in_the_last_block():
-    assert block_of(among().world, (10.0, 10.0), 32) == (31, 31)
+    assert blocks_of(among().world, (10.0, 10.0), 32, 32).tolist() == [31, 31]

@@ -22,7 +22,7 @@ def problem(valley):
 
 @pytest.fixture
 def sessions(problem):
-    made = Sessions(N, BUDGET)
+    made = Sessions(N, BUDGET, 4)
     made.begin(ROWS, [problem] * N, SEEDS)
     return made
 
@@ -69,7 +69,7 @@ def test_the_incumbent_comes_first_then_the_latest_trials_and_nothing_where_ther
 
 
 def test_a_session_without_trials_left_keeps_all_from_being_charged(problem):
-    sessions = Sessions(2, 1)
+    sessions = Sessions(2, 1, 4)
     rows = np.arange(2)
     sessions.begin(rows, [problem] * 2, SEEDS[:2])
     sessions.evaluate(rows[:1], settings(0)[:1])
