@@ -32,11 +32,13 @@ class RuleOfThumb(ZeroShot):
 
     ρ = exp(-7.5 / (α T)) over T iterations, α published: what was laid in the first iteration weighs ρ^(α T) = e^-7.5
     as much in the last one, so pheromone fades neither long before the end of a run nor never. Where the rule leaves
-    the range of ρ, the range's end is taken.
+    the range of ρ, the range's end is taken; where nothing persists, the published setting is.
     """
 
     def _choose(self, task: Task, seed: int) -> Floats:  # noqa: ARG002 - the same for every seed
         names, values = task.space.names, task.space.default.copy()
+        if "rho" not in names:
+            return np.full(len(names), 0.5)
         rho = task.space.parameters[names.index("rho")]
         persistence = np.exp(-FADING / (values[names.index("alpha")] * task.iterations))
         values[names.index("rho")] = np.clip(persistence, rho.low, rho.high)

@@ -22,9 +22,11 @@ from agents.fitting import trials_needed
 from agents.graph import TransferGraph
 from agents.static import StaticSetting, StaticSettings, race, race_by_rules
 from antgym.console import main, parse, progress
+from antgym.envs.catalogue import CATALOGUE
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
-from antgym.tuning.features import TASK_FEATURES
+from antgym.planners.planning import are_bees
+from antgym.tuning.features import task_table
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session
 from experiments import train
@@ -72,7 +74,7 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         "static_by_rules.json": lambda path: _race(race_by_rules, suite, preset).save(path),
         "graph.json": lambda path: _fit(suite, preset).save(path),
         "experience.json": lambda path: _gather(suite, preset).save(path),
-        "policy.json": lambda path: _train(path, preset),
+        "policy.json": lambda path: _train(path, suite, preset),
     }
     wanted = _files(names)
     for name, make in steps.items():
@@ -121,7 +123,7 @@ def _race(by: Callable[[Sequence[Session], Floats], _T], suite: str, preset: Pre
     from scipy.stats import qmc
 
     items = load_suite(suite, "train")[: preset.race_maps]
-    candidates = qmc.Sobol(4, seed=0).random(preset.race_settings)
+    candidates = qmc.Sobol(len(problem(items[0]).space), seed=0).random(preset.race_settings)
     with progress("racing for the best static settings", None) as advance:
         sessions = [WatchedSession(problem(item, "race"), preset.race_settings, advance) for item in items]
         return by(sessions, np.clip(candidates, 0, 1))
@@ -142,22 +144,24 @@ def _gather(suite: str, preset: Preset) -> Experience:
 
     items = load_suite(suite, "train")[: preset.experience_maps]
     affordable = min(MOST_SETTINGS, preset.experience_trials // (EXPERIENCE_REPEATS * len(items)))
-    units = np.clip(qmc.Sobol(4, seed=1).random_base2(affordable.bit_length() - 1), 0, 1)
+    design = qmc.Sobol(len(problem(items[0]).space), seed=1)
+    units = np.clip(design.random_base2(affordable.bit_length() - 1), 0, 1)
     units[0] = 0.5
     runs = len(units) * EXPERIENCE_REPEATS
     with progress(f"gathering experience on {len(items)} maps", runs * len(items)) as advance:
         return Experience.gather(
             [WatchedSession(problem(item, "experience"), runs, advance) for item in items],
             units,
-            described=[feature.name for feature in TASK_FEATURES],
+            described=[feature.name for feature in task_table(are_bees(items[0].rules))],
             names=[item.name for item in items],
             repeats=EXPERIENCE_REPEATS,
             provenance={"suite": suite},
         )
 
 
-def _train(card: Path, preset: Preset) -> None:
-    train.train(train.Arguments("PPO", evaluations=preset.policy_evaluations, out=card.with_suffix("")))
+def _train(card: Path, suite: str, preset: Preset) -> None:
+    env = next(entry.id for entry in CATALOGUE if entry.kwargs == {"suite": suite})  # its OneShot
+    train.train(train.Arguments("PPO", env, preset.policy_evaluations, out=card.with_suffix("")))
 
 
 def _policy_evaluations(card: Path) -> int:
