@@ -1,10 +1,12 @@
 """Draws: maps in place of those that a paper does not publish, from hashed seeds."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from antgym.maps.generators import FAMILIES
+from antgym.maps.generators.discs import DISC_FAMILIES
 from antgym.maps.world import Scenario
 from experiments.artefacts import derived_seed
 
@@ -20,7 +22,8 @@ def draw(
 
 
 def _first(rng: np.random.Generator, family: str, size: int, wanted: Callable[[Scenario], bool]) -> Scenario:
+    generate: Any = FAMILIES.get(family) or DISC_FAMILIES[family]
     while True:
-        scenario = FAMILIES[family](rng, size)
+        scenario: Scenario = generate(rng, size)
         if wanted(scenario):
             return scenario
