@@ -10,8 +10,7 @@ import numpy as np
 
 from antgym.envs.control import LEAST_ITERATIONS
 from antgym.maps.suites import Suite, load_suite
-from antgym.planners.parameters import ColonyParameters
-from antgym.planners.rules import find_rules
+from antgym.planners.swarms import find_swarm_rules
 from antgym.tuning.problem import GAP_CAP, TuningProblem
 from experiments.headroom import measures
 from experiments.headroom.measures import Floats
@@ -19,7 +18,6 @@ from experiments.headroom.pool import DESIGN, SCORE, Advance, Pool, Stage, cost,
 from experiments.headroom.schedules import dynamic, schedule_runs
 
 FORMAT = "antgym card 2"  # a card that is measured in another way is another format
-NAMES = ColonyParameters._fields
 INSIDE, EDGE = (
     0.1,
     0.02,
@@ -66,9 +64,14 @@ class Measured:
 
     train: list[TuningProblem]
     test: list[TuningProblem]
-    static: Floats  # (4,)
+    static: Floats  # (d,)
     by_rule: Mapping[str, Floats]
-    oracle: Floats  # (maps, 4)
+    oracle: Floats  # (maps, d)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The d parameters."""
+        return self.test[0].space.names
 
 
 def problems(suite: Suite, indices: Iterable[int]) -> list[TuningProblem]:
@@ -115,7 +118,7 @@ def find_settings(suite: str, preset: Preset, advance: Advance) -> Measured:
     train = problems(load_suite(suite, "train"), range(preset.train))
     test = problems(load_suite(suite, "test"), range(preset.test))
     rules = sorted({p.rules for p in test})
-    raced, units = [train], design(preset.settings)
+    raced, units = [train], design(preset.settings, len(test[0].space))
     if len(rules) > 1:
         groups = _by_rule(load_suite(suite, "train"), rules, preset.train_by_rule)
         raced += [problems(load_suite(suite, "train"), groups[rule]) for rule in rules]
@@ -129,10 +132,10 @@ def find_settings(suite: str, preset: Preset, advance: Advance) -> Measured:
 def score(found: Measured, preset: Preset, advance: Advance) -> dict[str, Floats]:
     """Return (maps, runs) gaps of every row on seeds that no search saw."""
     rng = np.random.default_rng(1)
-    count = len(found.test)
+    count, dimension = len(found.test), len(found.names)
     settings: dict[str, Callable[[int], Floats]] = {
-        "uniform random": lambda _: rng.random((preset.scored, len(NAMES))),
-        "published default": lambda _: np.full((preset.scored, len(NAMES)), 0.5),
+        "uniform random": lambda _: rng.random((preset.scored, dimension)),
+        "published default": lambda _: np.full((preset.scored, dimension), 0.5),
         "SBS": lambda _: np.tile(found.static, (preset.scored, 1)),
         "SBS by rule": lambda i: np.tile(found.by_rule[found.test[i].rules], (preset.scored, 1)),
         "VBS": lambda i: np.tile(found.oracle[i], (preset.scored, 1)),
@@ -148,9 +151,9 @@ def score(found: Measured, preset: Preset, advance: Advance) -> dict[str, Floats
 
 
 def variance(found: Measured, preset: Preset, advance: Advance) -> tuple[Floats, Floats]:
-    """Return (settings, 4) units and (maps, settings, repeats) gaps of a design over the test maps."""
+    """Return (settings, d) units and (maps, settings, repeats) gaps of a design over the test maps."""
     settings, repeats = preset.design
-    units = np.random.default_rng(2).random((settings, len(NAMES)))
+    units = np.random.default_rng(2).random((settings, len(found.names)))
     requests = [(p, np.repeat(units, repeats, axis=0), DESIGN, 0) for p in found.test]
     gaps = np.array(run_gaps(requests, advance)).reshape(len(found.test), settings, repeats)
     return units, gaps
@@ -161,7 +164,7 @@ def at_bounds(
 ) -> dict[str, dict[str, float]]:
     """Return per parameter the share of oracles at its low and high end for which moving inside costs two errors."""
     shares: dict[str, dict[str, float]] = {}
-    for j, name in enumerate(NAMES):
+    for j, name in enumerate(found.names):
         shares[name] = {}
         for end, inside in (("low", INSIDE), ("high", 1 - INSIDE)):
             column = found.oracle[:, j]
@@ -189,9 +192,9 @@ def fingerprint(suite: str, preset: str) -> dict[str, str]:
     if len(rules) > 1:
         raced.update(chain(*_by_rule(train, rules, sizes.train_by_rule).values()))
     used = [*(train[i] for i in sorted(raced)), *tested]
-    named = repr([(rule, find_rules(rule)) for rule in rules])
+    named = repr([(rule, find_swarm_rules(rule)) for rule in rules])
     probes = problems(test, chain(*_by_rule(test, rules, -(-_PROBES // len(rules))).values()))
-    lengths = np.concatenate([p.run(design(3), DESIGN, 0).lengths for p in probes])
+    lengths = np.concatenate([p.run(design(3, len(p.space)), DESIGN, 0).lengths for p in probes])
     return {
         "maps": _hash(repr([(i.scenario.digest, i.ants, i.iterations, i.rules) for i in used]).encode()),
         "rules": _hash(named.encode()),
@@ -224,7 +227,7 @@ def measure(world: str, suite: str, preset_name: str, advance: Advance) -> dict[
             "where SBS mostly arrives": _where_static_arrives(gaps),
         },
         "variance": {k: _digits(v) for k, v in measures.variance_shares(designed).items()},
-        "main effects": {name: _digits(float(e)) for name, e in zip(NAMES, effects, strict=True)},
+        "main effects": {name: _digits(float(e)) for name, e in zip(found.names, effects, strict=True)},
         "flat": _digits(float(flat.mean())),
         "bounds": at_bounds(found, gaps["VBS"], preset, advance),
         "SBS": [_digits(float(u)) for u in found.static],

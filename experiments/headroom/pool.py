@@ -8,11 +8,9 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from antgym.errors import ParameterError
-from antgym.planners.parameters import ColonyParameters
 from antgym.tuning.problem import Request, TuningProblem, run_together
 
 Floats = NDArray[np.float64]
-DIMENSION = len(ColonyParameters._fields)
 Advance = Callable[[int], None]
 SEARCH, SCORE, DESIGN = 2, 3, 4  # seed domains: none is an agent's or a board's
 _CHUNK = 4096  # planner runs per call: their histories lie in memory at once
@@ -34,10 +32,10 @@ class Stage(NamedTuple):
     spread: float = 0.0
 
 
-def design(count: int, seed: int = 0) -> Floats:
-    """Return (count, 4) settings that fill the unit cube (scrambled Sobol), the published default first."""
-    filling = qmc.Sobol(DIMENSION, rng=np.random.default_rng(seed)).random(1 << (count - 1).bit_length())
-    return np.vstack([np.full((1, DIMENSION), 0.5), filling[: count - 1]])
+def design(count: int, dimension: int, seed: int = 0) -> Floats:
+    """Return (count, d) settings that fill the unit cube (scrambled Sobol), the published default first."""
+    filling = qmc.Sobol(dimension, rng=np.random.default_rng(seed)).random(1 << (count - 1).bit_length())
+    return np.vstack([np.full((1, dimension), 0.5), filling[: count - 1]])
 
 
 def run_gaps(requests: Sequence[Request], advance: Advance = lambda _: None) -> list[Floats]:
@@ -61,7 +59,7 @@ class Pool:
 
     Args:
         problems: a setting's worth is its mean gap over all of them.
-        units: (k, 4) settings to begin with.
+        units: (k, d) settings to begin with.
         seed: of the draws around the best.
     """
 
@@ -105,7 +103,7 @@ class Pool:
 
 
 def search(pools: Sequence[Pool], stages: Sequence[Stage], advance: Advance) -> Floats:
-    """Refine all pools together, stage by stage; return the (len(pools), 4) winners."""
+    """Refine all pools together, stage by stage; return the (len(pools), d) winners."""
     for number, stage in enumerate(stages):
         for new in (True, False) if stage.around else (False,):
             chosen = []

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
-from antgym.planners.colony import Colony
+from antgym.planners.planning import are_bees
+from antgym.planners.swarms import start
 from antgym.planners.threads import run_ranges
 from antgym.tuning.problem import TuningProblem
 from experiments.headroom.measures import headroom
@@ -16,23 +17,30 @@ Floats = NDArray[np.float64]
 FACTORS = (0.25, 0.5, 2.0, 4.0)
 SWITCHES = (2, 5, 8)  # blocks before the change
 RUNS = 8
+STEERED = ("alpha", "beta"), ("limit", "xi_max")  # of ants and of bees; whose ξ_min follows ξ_max
 
 
 class Schedule(NamedTuple):
-    """Two settings, one before and one after some blocks: α and β of the static one times a factor each."""
+    """Two settings, one before and one after some blocks: two parameters of the static one times a factor each.
 
-    alpha: tuple[float, float]
-    beta: tuple[float, float]
+    Attributes:
+        first: factors of α, or of the bees' limit, before and after.
+        second: of β, or of their ξ.
+        switch: blocks before the change.
+    """
+
+    first: tuple[float, float]
+    second: tuple[float, float]
     switch: int
 
-    @property
-    def label(self) -> str:
-        """How the card names it."""
-        return f"alpha x {self.alpha}, beta x {self.beta}, change after block {self.switch}"
+    def label(self, names: tuple[str, str]) -> str:
+        """Return how the card names it."""
+        first, second = names
+        return f"{first} x {self.first}, {second} x {self.second}, change after block {self.switch}"
 
 
 def family() -> list[Schedule]:
-    """Return the static setting and all schedules that change α or β once, up or down."""
+    """Return the static setting and all schedules that change one of the two once, up or down."""
     static = Schedule((1.0, 1.0), (1.0, 1.0), BLOCKS)
     ramps = [(1.0, factor) for factor in FACTORS] + [(factor, 1.0) for factor in FACTORS]
     changes = [((1.0, 1.0), ramp) for ramp in ramps] + [(ramp, (1.0, 1.0)) for ramp in ramps]
@@ -60,7 +68,7 @@ def dynamic(
     scored = _gaps(chosen[1], [schedules[0], best], static, advance).mean(axis=2)
     value, low, high = headroom(scored[:, 0], scored[:, 1])
     return {
-        "schedule": best.label,
+        "schedule": best.label(STEERED[are_bees(train[0].rules)]),
         "headroom": [round(v, 4) for v in (value, low, high)],
         "static gap": round(float(scored[:, 0].mean()), 4),
         "maps": len(chosen[1]),
@@ -87,14 +95,16 @@ def _gaps(
 
 
 def _run(problem: TuningProblem, schedule: Schedule, static: Floats, seed: int) -> float:
-    colony = Colony(
+    swarm = start(
         problem.scenario, rules=problem.rules, ants=problem.ants, iterations=problem.iterations, seed=seed
     )
-    values = problem.space.decode(static)[0]
-    low, high = problem.space.decode(np.zeros(4))[0], problem.space.decode(np.ones(4))[0]
+    space = problem.space
+    values, low, high = space.decode([static, np.zeros(len(space)), np.ones(len(space))])
     switch = problem.iterations * schedule.switch // BLOCKS
     for part, iterations in enumerate((switch, problem.iterations - switch)):
-        factors = np.array([schedule.alpha[part], schedule.beta[part], 1.0, 1.0])
+        by = {"alpha": schedule.first, "beta": schedule.second, "limit": schedule.first}
+        by |= dict.fromkeys(("xi_max", "xi_min"), schedule.second)
+        factors = np.array([by[name][part] if name in by else 1.0 for name in space.names])
         if iterations:
-            colony.advance(np.clip(values * factors, low, high), iterations)
-    return colony.result().length
+            swarm.advance(np.clip(values * factors, low, high), iterations)
+    return swarm.result().length

@@ -37,7 +37,7 @@ def test_variance_goes_to_the_part_that_has_it(part):
 
 
 def test_the_parameter_that_matters_is_found():
-    units = design(128)
+    units = design(128, 4)
     rng = np.random.default_rng(2)
     gaps = np.array([(units[:, 1] - 0.3) ** 2 * scale for scale in (1, 2)]) + rng.normal(0, 1e-3, (2, 128))
     effects = measures.sensitivity(units, gaps)
@@ -87,7 +87,7 @@ def test_the_search_finds_each_pools_own_best(monkeypatch):
     centres = [(0.2, 0.8, 0.5, 0.3), (0.9, 0.1, 0.6, 0.7)]
     stages = (Stage(0, 2), Stage(24, 4, 16, 0.08), Stage(12, 8), Stage(8, 8, 8, 0.04), Stage(6, 24))
     winners = search(
-        [Pool([Bowl(c)], design(64), seed=i) for i, c in enumerate(centres)], stages, lambda _: None
+        [Pool([Bowl(c)], design(64, 4), seed=i) for i, c in enumerate(centres)], stages, lambda _: None
     )
     assert np.abs(winners - np.array(centres)).max() < 0.15
     assert sum(spent) == 2 * cost(64, stages)
@@ -104,7 +104,7 @@ def test_a_setting_that_was_dropped_does_not_win_by_its_few_runs():
 
 def test_a_pool_without_a_problem_is_refused():
     with pytest.raises(ParameterError, match="needs a problem"):
-        Pool([], design(8))
+        Pool([], design(8, 4))
 
 
 def test_rules_are_raced_on_maps_of_their_own():
@@ -118,13 +118,13 @@ def test_a_pool_over_several_problems_minds_them_all(monkeypatch):
     monkeypatch.setattr(
         pool, "run_gaps", lambda requests, _: [p.gaps(u, first) for p, u, _, first in requests]
     )
-    both = Pool([Bowl((0.2,) * 4), Bowl((0.6,) * 4)], design(64))
+    both = Pool([Bowl((0.2,) * 4), Bowl((0.6,) * 4)], design(64, 4))
     winner = search([both], (Stage(0, 2), Stage(16, 4, 8, 0.08), Stage(8, 8, 8, 0.04)), lambda _: None)[0]
     assert np.abs(winner - 0.4).max() < 0.15
 
 
 def test_a_design_begins_with_the_default_and_fills_the_cube():
-    units = design(65)
+    units = design(65, 4)
     assert units.shape == (65, 4)
     assert units[0].tolist() == [0.5] * 4
     assert np.abs(units[1:].mean(axis=0) - 0.5).max() < 0.02
@@ -160,6 +160,15 @@ def test_a_tiny_card_is_whole_and_the_same_again(tmp_path):
     assert all(0 <= low <= mean <= high <= 1 for mean, low, high in made["gap"].values())
     assert made["fingerprint"] == card.fingerprint("mountain-v0", "smoke")
     assert sum(made["variance"].values()) == pytest.approx(1, abs=1e-3)
+
+
+@pytest.mark.parametrize("world", ["Bee", "TabuBee"])
+def test_a_card_of_bees_has_their_parameters(world, tmp_path):
+    (made,) = script.run(script.Arguments((world,), "smoke", tmp_path))
+    names = ["limit", "xi_max", "xi_min", "tabu_radius"][: 3 + (world == "TabuBee")]
+    assert list(made["main effects"]) == list(made["bounds"]) == names
+    assert len(made["SBS"]) == len(names)
+    assert made["dynamic"]["schedule"].startswith("limit x ")
 
 
 def test_a_smoke_card_never_takes_the_place_of_a_real_one(tmp_path, monkeypatch):
