@@ -94,7 +94,7 @@ class Picture:
         heights: (nx, ny) heights of the ground in world units, or None for a world without a ground.
         free: (nx, ny, nz) uint8, 1 where a cell is free.
         cell: edge lengths of a cell along x, y, z in world units.
-        paths: (n, 3) cell indices by row name; the exact optimum's under ``EXACT``.
+        paths: (n, 3) cell indices by row name, whole or not; the exact optimum's under ``EXACT``.
         lengths: in world units, by row name; a name without a path found none.
         optimum: exact shortest length in world units.
     """

@@ -12,6 +12,8 @@ from rich.console import Console
 
 import agents
 from antgym.console import write_whole
+from antgym.maps.disc_features import raster
+from antgym.maps.discs import DiscWorld
 from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, Outcome
@@ -21,6 +23,7 @@ from experiments.contest import Entrant, Job
 from experiments.presets import Preset
 from experiments.report.page import write_page
 
+CELLS = 96  # a side, by which discs are drawn
 SHOWN = ("published_default", "random_search", "optuna_tpe", "transfer_graph", "rl", "best_static")
 
 
@@ -32,8 +35,8 @@ def show(
     seconds = _seconds(folder / TIMING)
     rows = [_row(entrant, ledger, items, preset, seconds) for entrant in contest]
     board = Board(
-        title="Real terrain",
-        command=f"python -m experiments.leaderboard --preset {config['preset']} --agents {' '.join(config['agents'])}",
+        title=_title(items, config),
+        command=_command(config),
         rows=(*rows, _exact(items, preset)),
         scenarios=tuple(item.name for item in items),
         budget=preset.budget,
@@ -46,6 +49,20 @@ def show(
     page = folder / "index.html"
     write_page(board, page)
     return page
+
+
+def _title(items: Sequence[SuiteItem], config: dict[str, Any]) -> str:
+    real = all(item.family == "terrain" for item in items)
+    return "Real terrain" if real else f"{config['suite']}, {config['split']}"
+
+
+def _command(config: dict[str, Any]) -> str:
+    """Return what makes the board again; a suite is named where it is not the one of real terrain."""
+    suite = (
+        "" if config["suite"] == "mountain-v0" else f" --suite {config['suite']} --split {config['split']}"
+    )
+    chosen = " ".join(config["agents"])
+    return f"python -m experiments.leaderboard --preset {config['preset']}{suite} --agents {chosen}"
 
 
 def _row(
@@ -95,7 +112,9 @@ def _exact(items: Sequence[SuiteItem], preset: Preset) -> Row:
         shortest_path(item.scenario)
     each = (time.perf_counter() - begun) / len(items)
     gaps = tuple((0.0,) * preset.seeds for _ in items)
-    summary = "dynamic programming under the same motion rule; no ants"
+    among_discs = isinstance(items[0].scenario.world, DiscWorld)
+    method = "tangents and arcs" if among_discs else "dynamic programming under the same motion rule"
+    summary = f"{method}; no {'bees' if among_discs else 'ants'}"
     return Row(EXACT, "reference", summary, gaps, 1.0, 0.0, 0, 0.0, each, None, {})
 
 
@@ -117,7 +136,7 @@ def _most_telling(rows: Sequence[Row]) -> int:
 
 def _picture(contest: Sequence[Entrant], ledger: Ledger, item: SuiteItem, budget: int) -> Picture:
     """Walk the first fresh run of some agents' recommendations again, for their paths."""
-    world, scenario = item.scenario.world, item.scenario
+    scenario = item.scenario
     paths, lengths = {EXACT: shortest_path(scenario)}, {EXACT: scenario.optimum}
     for entrant in contest:
         if entrant.name in SHOWN:
@@ -128,7 +147,24 @@ def _picture(contest: Sequence[Entrant], ledger: Ledger, item: SuiteItem, budget
             lengths[entrant.name] = plan.length
             if plan.solved:
                 paths[entrant.name] = plan.path
+    if isinstance(scenario.world, DiscWorld):
+        return _seen_from_above(item.name, scenario.world, paths, lengths)
+    world = scenario.world
     heights = (world.free == 0).sum(axis=2) * world.cell[2]
     return Picture(
         item.name, heights.astype(float), np.array(world.free), world.cell, paths, lengths, scenario.optimum
     )
+
+
+def _seen_from_above(
+    name: str, world: DiscWorld, paths: dict[str, Any], lengths: dict[str, float]
+) -> Picture:
+    """Return the picture of a disc world as one of small cells; paths keep their way-points, in cells."""
+    x_min, x_max, y_min, y_max = world.bounds
+    free = (raster(world, CELLS, CELLS) > 0).astype(np.uint8)[:, :, None]
+    cell = ((x_max - x_min) / CELLS, (y_max - y_min) / CELLS, world.width / CELLS)
+    in_cells = {
+        agent: np.pad((path - (x_min, y_min)) / cell[:2] - 0.5, ((0, 0), (0, 1)))
+        for agent, path in paths.items()
+    }
+    return Picture(name, None, free, cell, in_cells, lengths, lengths[EXACT])

@@ -1,7 +1,8 @@
-"""The leaderboard: every agent tunes the colony on real terrain, its recommendations are judged on fresh runs.
+"""The leaderboard: every agent tunes the swarm on maps it has not seen, its recommendations are judged on fresh runs.
 
     python -m experiments.leaderboard --preset quick --out out/board
 
+The maps are real terrain unless another suite is asked for; ``--suite tabu-bee-v0 --split test`` is that of the bees.
 The ledger in the folder is the result: the table and the page are computed from it. A run that was stopped, or
 killed, goes on where it was when the same command is given again.
 """
@@ -42,12 +43,11 @@ AGENTS = (
     "rl",
 )
 STATIC = "best_static"
-SUITE, SPLIT = "mountain-v0", "ood"
 
 
 @dataclass(frozen=True)
 class Arguments:
-    """Run the leaderboard on real terrain, or go on with one that was stopped."""
+    """Run the leaderboard, by default on real terrain, or go on with one that was stopped."""
 
     preset: Literal["smoke", "quick", "full"] = "quick"
     """smoke: half a minute, for tests; quick: minutes, the published table; full: hours."""
@@ -55,6 +55,10 @@ class Arguments:
     """Folder of the ledger, of the trained agents and of index.html."""
     agents: tuple[str, ...] = AGENTS
     """Names in the catalogue of agents."""
+    suite: str = "mountain-v0"
+    """Suite of the maps; trained agents learn from its train split."""
+    split: str = "ood"
+    """Split of the maps; of mountain-v0's ood, the first are real terrain."""
 
 
 def run_board(arguments: Arguments) -> Path:
@@ -66,21 +70,21 @@ def run_board(arguments: Arguments) -> Path:
         raise ParameterError(
             f"--agents {' '.join(arguments.agents)}: name each once; {STATIC} is always there"
         )
-    suite = load_suite(SUITE, SPLIT)
+    suite = load_suite(arguments.suite, arguments.split)
     items = suite[: preset.scenarios]
     config = {
         "sources": provenance.code_hash(),
         "preset": arguments.preset,
         **preset._asdict(),
-        "suite": SUITE,
-        "split": SPLIT,
+        "suite": arguments.suite,
+        "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
     }
     versions = provenance.versions((*arguments.agents, STATIC))
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
         trained = arguments.out / "trained"
-        spent = prepare(trained, SUITE, preset, (*arguments.agents, STATIC))
+        spent = prepare(trained, arguments.suite, preset, (*arguments.agents, STATIC))
         ledger.pin(provenance.file_hashes(trained))
         contest = enter(arguments.agents, trained, spent, references=(STATIC,))
         todo = list(jobs(contest, items, preset.seeds, [preset.budget]))

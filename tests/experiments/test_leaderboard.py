@@ -224,3 +224,17 @@ def test_a_folder_in_use_is_one_line_and_exit_code_2(begun):
     assert done.returncode == 2
     assert done.stderr.startswith("error: ")
     assert "in use by another process" in done.stderr
+
+
+def test_bees_have_a_board(monkeypatch, tmp_path):
+    """With every trained agent's file made in their world, and a picture of the discs."""
+    monkeypatch.setitem(
+        PRESETS, "smoke", TINY._replace(race_maps=2, race_settings=2, experience_maps=8, experience_trials=32)
+    )
+    chosen = ("random_search", "portfolio")
+    page = run_board(Arguments("smoke", tmp_path / "bees", chosen, "tabu-bee-v0", "test"))
+    text = page.read_text(encoding="utf-8")
+    assert "tabu-bee-v0, test" in text
+    assert "tangents and arcs; no bees" in text
+    assert "--suite tabu-bee-v0 --split test" in text
+    assert json.loads((tmp_path / "bees" / "trained" / "static.json").read_text())["parameters"][0] == "limit"

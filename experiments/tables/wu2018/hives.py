@@ -55,15 +55,12 @@ def hives(width: float) -> list[Hive]:
     tabu, plain = found["wu2018"], found["wu2018-basic"]
     ours, theirs = published["wu2018"], published["wu2018-basic"]
     widest = tabu.space(BEES, width).decode([0.5, 0.5, 0.5, 1.0])[0, 3]
-    steps = {"xi_max": ours.xi_max, "xi_min": ours.xi_min}
     return [
         *(Hive(name, rules, published[name]) for name, rules in found.items()),
-        Hive("TS-ABC without its tabu list", tabu._replace(tabu=0), ours),
+        Hive("ABC with the falling ξ alone", tabu._replace(tabu=0), ours),
+        Hive("ABC with the tabu list alone", tabu, ours._replace(xi_max=1.0, xi_min=1.0)),
         Hive("TS-ABC with the widest tabu radius", tabu, ours._replace(tabu_radius=float(widest))),
-        Hive("TS-ABC with ξ = 1 throughout", tabu, ours._replace(xi_max=1.0, xi_min=1.0)),
         Hive("TS-ABC that is patient", tabu, ours._replace(limit=PATIENT * ours.limit)),
-        Hive("ABC with the tabu list", plain._replace(tabu=tabu.tabu), theirs._replace(tabu_radius=1.0)),
-        Hive("ABC with the falling ξ", plain, theirs._replace(**steps)),
         Hive("ABC that is patient", plain, theirs._replace(limit=PATIENT * theirs.limit)),
     ]
 
