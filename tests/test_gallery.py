@@ -58,5 +58,16 @@ def test_a_panel_is_drawn_with_both_paths_and_both_ends(gallery):
     assert axes.texts[0].get_text().startswith("19 × 19 × 19, liu2020, gap ")
 
 
+def test_discs_are_drawn_within_their_bounds_with_both_paths_and_both_ends(gallery):
+    from matplotlib.figure import Figure
+
+    axes = Figure().subplots()
+    gallery.draw(axes, gallery.Panel("Bee", "corridors", 7))
+    assert [len(line.get_xdata()) for line in axes.lines][::2] == [14, 1]
+    assert len(axes.patches) == 1 + 24
+    assert all(disc.clipbox is not axes.bbox for disc in axes.patches[1:])
+    assert axes.texts[0].get_text().startswith("24 discs, ")
+
+
 def test_the_picture_is_there_and_small():
     assert FILE.with_name("worlds.png").stat().st_size < 400_000
