@@ -22,6 +22,7 @@ from agents.fitting import trials_needed
 from agents.graph import TransferGraph
 from agents.static import StaticSetting, StaticSettings, race, race_by_rules
 from antgym.console import main, parse, progress
+from antgym.envs.catalogue import WORLDS
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.features import TASK_FEATURES
@@ -71,7 +72,7 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         "static_by_rules.json": lambda path: _race(race_by_rules, suite, preset).save(path),
         "graph.json": lambda path: _fit(suite, preset).save(path),
         "experience.json": lambda path: _gather(suite, preset).save(path),
-        "policy.json": lambda path: _train(path, preset),
+        "policy.json": lambda path: _train(path, suite, preset),
     }
     wanted = _files(names)
     for name, make in steps.items():
@@ -154,8 +155,15 @@ def _gather(suite: str, preset: Preset) -> Experience:
         )
 
 
-def _train(card: Path, preset: Preset) -> None:
-    train.train(train.Arguments("PPO", evaluations=preset.policy_evaluations, out=card.with_suffix("")))
+def _train(card: Path, suite: str, preset: Preset) -> None:
+    """Train a policy on the world of a suite, its settings those of the regime's file."""
+    worlds = [world for world, its in WORLDS.items() if its == suite]
+    env, kwargs = (
+        f"antgym/{(worlds or ['Mountain'])[0]}OneShot-v0",
+        json.dumps({} if worlds else {"suite": suite}),
+    )
+    evaluations, out = preset.policy_evaluations, card.with_suffix("")
+    train.train(train.Arguments("PPO", env, evaluations=evaluations, out=out, kwargs=kwargs))
 
 
 def _policy_evaluations(card: Path) -> int:
