@@ -10,7 +10,7 @@ import os
 from collections.abc import Callable
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from antgym.errors import ParameterError
 
@@ -60,7 +60,7 @@ class PolicyCard:
     map: list[int] | None = None
     window: int = 0
     features: list[str] = field(default_factory=list)
-    action: str = "setting"
+    action: Literal["setting", "each", "one"] = "setting"
     parameters: list[str] = field(default_factory=list)
     start: list[float] | None = None
     env: str = ""
