@@ -142,11 +142,11 @@ def test_a_card_that_is_none_says_why(tmp_path, text, reason):
 def test_fields_that_are_too_many_or_too_few_are_named(published, change):
     file = published.with_suffix(".json")
     content = json.loads(file.read_text())
-    content["sise"] = content["size"] if change == "unknown" else content.pop("size")
+    content["extra"] = content["size"] if change == "unknown" else content.pop("size")
     file.write_text(json.dumps(content))
-    with pytest.raises(ParameterError, match="unknown field 'sise'"):
+    with pytest.raises(ParameterError, match="unknown field 'extra'"):
         load(published)
-    del content["sise"]
+    del content["extra"]
     content.pop("size", None)
     file.write_text(json.dumps(content))
     with pytest.raises(ParameterError, match="field 'size' is missing"):
