@@ -17,6 +17,7 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
+from agents import policy
 from agents.experience import Experience
 from agents.fitting import trials_needed
 from agents.graph import TransferGraph
@@ -34,6 +35,7 @@ from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
 _T = TypeVar("_T")
+TRAINED = Path("out/trained")
 REPEATS = 5  # runs of each set of the transfer graph on each of its maps
 EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats (tuning.md, D3)
 ARGUMENTS = {
@@ -60,7 +62,7 @@ class Arguments:
     """Suite whose train maps are learnt from."""
     preset: Literal["smoke", "quick", "full"] = "quick"
     """How much is spent: smoke for tests, quick minutes, full an hour."""
-    out: Path = Path("out/trained")
+    out: Path = TRAINED
     """Folder of the files."""
 
 
@@ -97,13 +99,19 @@ def _files(names: Sequence[str]) -> set[str]:
     return {ARGUMENTS[card.entry_point][1] for card in map(agents.find_card, names) if card.trained}
 
 
-def trained_argument(name: str, folder: Path) -> dict[str, Path]:
-    """Return the keyword argument by which an agent finds its file; empty where it needs none."""
+def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
+    """Return the keyword argument by which an agent finds its file; empty where it needs none.
+
+    Without a folder it is the policy that comes with antgym, for ``rl`` and if there is one, or a file of TRAINED.
+    """
     card = agents.find_card(name)
     if not card.trained:
         return {}
     argument, file = ARGUMENTS[card.entry_point]
-    return {argument: folder / file}
+    flagship = policy.SHIPPED / f"{policy.FLAGSHIP}.json"
+    if folder is None and file == "policy.json" and flagship.exists():
+        return {argument: flagship}
+    return {argument: (folder or TRAINED) / file}
 
 
 def derived_seed(*parts: str | int) -> int:
