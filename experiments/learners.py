@@ -28,7 +28,12 @@ ACTIONS: dict[str, tuple[Literal["each", "one", "setting"], ...]] = {
 }
 """Kinds of actions by regime, those that are learnt where nothing is said first; see ``PolicyCard.action``."""
 STANDARD_MAPS = 100  # train maps that features are standardised by
-LEAST_DEVIATION = 1e-3  # of a feature that hardly differs between them: it is shown as it is
+CONSTANT = (
+    1e-3  # deviation below which a feature tells nothing of these maps; it is then divided by its whole range
+)
+LEAST_SHARE = (
+    0.05  # of its range that a feature is divided by: elsewhere it may well differ more than on train maps
+)
 OWN = ("num_envs", "reward_scale", "action_noise")  # settings that are none of the algorithm's constructor
 
 
@@ -191,8 +196,8 @@ class Learner:
             ants, iterations = self.kwargs.get("effort") or (item.ants, max(item.iterations, least))
             seen.append(TuningProblem(item.scenario, item.rules, ants, iterations).task(0).features)
         count, spread = len(seen[0]), np.std(seen, axis=0)
-        mean[:count] = np.mean(seen, axis=0)
-        deviation[:count] = np.where(spread < LEAST_DEVIATION, 1.0, spread)
+        mean[:count], width = np.mean(seen, axis=0), (high - low)[:count]
+        deviation[:count] = np.where(spread < CONSTANT, width, np.maximum(spread, LEAST_SHARE * width))
         return {"mean": mean.round(6).tolist(), "deviation": deviation.round(6).tolist()}
 
 
