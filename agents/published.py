@@ -37,7 +37,8 @@ class PolicyCard:
         features: names of the first entries of the vector, as far as they have some.
         action: ``"setting"``; or what is changed of the last one, of ``"each"`` parameter or of ``"one"``.
         parameters: that are chosen.
-        start: the setting, each value in [0, 1], that changes begin from; None for the published default.
+        start: the setting, each value in [0, 1], that changes begin from, or one by the name of the rules; None for the
+            published default.
         env: id of the environment it was trained in.
         arguments: of that environment.
         evaluations: planner runs of the training.
@@ -62,7 +63,7 @@ class PolicyCard:
     features: list[str] = field(default_factory=list)
     action: Literal["setting", "each", "one"] = "setting"
     parameters: list[str] = field(default_factory=list)
-    start: list[float] | None = None
+    start: list[float] | dict[str, list[float]] | None = None
     env: str = ""
     arguments: dict[str, Any] = field(default_factory=dict)
     evaluations: int = 0
@@ -94,6 +95,15 @@ def _listed(value: Any, fits: Callable[[Any], bool]) -> bool:
     return isinstance(value, list) and all(map(fits, value))
 
 
+def _is_share(value: Any) -> bool:
+    return is_number(value) and 0 <= value <= 1
+
+
+def _starts(value: Any) -> list[Any]:
+    """Return every setting that changes may begin from."""
+    return list(value.values()) if isinstance(value, dict) else [value]
+
+
 def _is_dict(value: Any) -> bool:
     return isinstance(value, dict)
 
@@ -120,8 +130,8 @@ _CHECKS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "action": ((lambda value: value in ACTIONS), " or ".join(ACTIONS)),
     "parameters": ((lambda value: _listed(value, _is_text) and 1 <= len(value) <= 64), "a list of names"),
     "start": (
-        lambda value: value is None or _listed(value, lambda u: is_number(u) and 0 <= u <= 1),
-        "values from 0 to 1, or null",
+        lambda value: value is None or all(_listed(one, _is_share) for one in _starts(value)),
+        "values from 0 to 1, such by rules, or null",
     ),
     "env": _TEXT,
     "arguments": _OBJECT,
@@ -190,7 +200,7 @@ def _check(file: Path, card: PolicyCard) -> None:
         raise ParameterError(
             f"{file}: field 'map' = {card.map} does not fit observation {card.observation!r}"
         )
-    if card.start is not None and len(card.start) != len(card.parameters):
+    if card.start is not None and any(len(one) != len(card.parameters) for one in _starts(card.start)):
         raise ParameterError(f"{file}: field 'start' holds no value for each of {card.parameters}")
 
 

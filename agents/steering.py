@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.networks import Player, load
-from agents.policy import DEFAULT, require_parameters, require_shape
+from agents.policy import require_parameters, require_shape
 from antgym.errors import ParameterError
-from antgym.tuning import Agent, Task, changed, settings_of
+from antgym.tuning import Agent, Task, changed, settings_of, start_of
 
 Floats = NDArray[np.float64]
 
@@ -116,8 +116,7 @@ class PolicyController:
         """Begin a run; ParameterError where the policy sets other parameters."""
         require_parameters(self.path, self.card, task)
         self._player, self._first = Player(self._network), True
-        start = [DEFAULT] * len(task.space) if self.card.start is None else self.card.start
-        self._setting = settings_of(2 * np.array(start) - 1)
+        self._setting = start_of(self.card.start, task.features, len(task.space))
         flat = self.card.observation == "map2d"
         self._map = None if self.card.map is None else task.map(flat)
 

@@ -16,6 +16,7 @@ from antgym.envs.catalogue import CATALOGUE, Entry
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
 from antgym.errors import ParameterError, nearest
 from antgym.maps.suites import load_suite
+from antgym.tuning.actions import Start
 from antgym.tuning.problem import TuningProblem
 
 CONFIGS = Path(__file__).parent / "configs"
@@ -57,7 +58,7 @@ class Learner:
     env: str
     action: Literal["each", "one", "setting"] | None
     kwargs: Mapping[str, Any]
-    start: tuple[float, ...] | None
+    start: Start | None
     config: Path | None
 
     def __post_init__(self) -> None:

@@ -25,8 +25,10 @@ import tyro
 
 from agents.networks import algorithm_class, export
 from agents.published import beside, read_card
+from agents.static import StaticSettings
 from antgym.console import RESUMES, Advance, main, parse, progress
 from antgym.errors import MissingExtraError, ParameterError
+from antgym.tuning.actions import Start
 from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.run_features import CONTROL_FEATURES
 from antgym.tuning.seeding import child_states
@@ -60,6 +62,8 @@ class Arguments:
     """Control: changes of each parameter or of one, or settings; by default the first that the algorithm learns."""
     start: tuple[float, ...] | None = None
     """Control: the setting that changes begin from, a value from 0 to 1 a parameter; by default the published one."""
+    start_by_rules: Path | None = None
+    """Control: a file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
     kwargs: str = "{}"
     """Arguments of the environment as JSON: '{"suite": "room-v0", "reward": "improvement", "budget": 20}'."""
     validation: int = 50
@@ -82,11 +86,12 @@ def train(arguments: Arguments) -> dict[str, Any]:
     _check(arguments)
     learner, asked = _learner(arguments), _asked(arguments)
     finished = beside(arguments.out, ".json")
+    kept = Checkpoints(beside(arguments.out, ".checkpoints"), asked)
     if finished.exists():
         card = read_card(finished)
         require_same(finished, card.settings.get("asked", {}), json.loads(json.dumps(asked)))
+        kept.remove()  # where it was killed right before
         return {"finished": str(finished), **_short(card)}
-    kept = Checkpoints(beside(arguments.out, ".checkpoints"), asked)
     model = _run(learner, arguments, kept)
     card = export(kept.best(model), arguments.out, **_facts(learner, arguments, kept.standing, asked))
     kept.remove()
@@ -106,17 +111,37 @@ def _check(arguments: Arguments) -> None:
 
 def _learner(arguments: Arguments) -> Learner:
     kwargs = {"observation": arguments.observation, **parsed(arguments.kwargs)}
+    if kwargs.get("split") in ("validation", "test", "ood"):
+        raise ParameterError(
+            f"split {kwargs['split']!r}: a policy is trained on train maps and judged on others"
+        )
     return Learner(
-        arguments.algorithm, arguments.env, arguments.action, kwargs, arguments.start, arguments.config
+        arguments.algorithm, arguments.env, arguments.action, kwargs, _start(arguments), arguments.config
     )
+
+
+def _start(arguments: Arguments) -> Start | None:
+    """Return what changes begin from."""
+    if arguments.start_by_rules is None:
+        return arguments.start and list(arguments.start)
+    if arguments.start is not None:
+        raise ParameterError("--start and --start-by-rules: changes begin from one of them")
+    settings = StaticSettings.load(arguments.start_by_rules).by_rules
+    return {rules: list(setting.unit) for rules, setting in settings.items()}
 
 
 def _asked(arguments: Arguments) -> dict[str, Any]:
     """Return what decides a training; with the same it goes on, with anything else it does not."""
     learner = _learner(arguments)
-    names = ("algorithm", "env", "evaluations", "seed", "start", "validation")
+    names = ("algorithm", "env", "evaluations", "seed", "validation")
     asked = {name: getattr(arguments, name) for name in names}
-    return {**asked, "action": learner.how, "kwargs": dict(learner.kwargs), "settings": learner.settings}
+    return {
+        **asked,
+        "start": learner.start,
+        "action": learner.how,
+        "kwargs": dict(learner.kwargs),
+        "settings": learner.settings,
+    }
 
 
 def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
@@ -208,7 +233,7 @@ def _facts(
         "window": learner.kwargs.get("window", 5) if regime == "Trials" else 0,
         "features": [feature.name for feature in features],
         "action": learner.how,
-        "start": None if arguments.start is None else list(arguments.start),
+        "start": learner.start,
         "env": arguments.env,
         "arguments": dict(learner.kwargs),
         "evaluations": standing.evaluations,

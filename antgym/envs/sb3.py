@@ -14,8 +14,7 @@ from antgym.envs.episodes import Observation
 from antgym.envs.extractors import FeatureExtractor, MapExtractor
 from antgym.envs.vector import NativeVectorEnv, env_seeds
 from antgym.errors import MissingExtraError, ParameterError, nearest
-from antgym.tuning.actions import Change, changed, choices, settings_of
-from antgym.tuning.run_features import DEFAULT
+from antgym.tuning.actions import Change, Start, changed, choices, start_of
 
 try:
     from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
@@ -162,11 +161,11 @@ class ChangingVecEnv(VecEnvWrapper):
         envs: a batch of Control.
         how: ``"each"``: `MultiDiscrete`, a change of ``CHANGES`` a parameter; ``"one"``: `Discrete`, a change of one
             parameter or none, for DQN and its like.
-        start: (d,) setting in [0, 1] that the first action of a run changes, by default the published one; the
-            observation shows it as the setting of the last block.
+        start: (d,) setting in [0, 1] that the first action of a run changes, or one by the name of its rules; by
+            default the published one. The observation shows it as the setting of the last block.
     """
 
-    def __init__(self, envs: NativeVecEnv, how: Change, start: Sequence[float] | None = None) -> None:
+    def __init__(self, envs: NativeVecEnv, how: Change, start: Start | None = None) -> None:
         if not isinstance(envs.native.envs[0], ControlEnv):
             raise ParameterError("settings are changed block by block in Control alone")
         (dimension,) = envs.action_space.shape
@@ -174,12 +173,12 @@ class ChangingVecEnv(VecEnvWrapper):
         spaces = gymnasium.spaces
         space: Any = spaces.MultiDiscrete(list(counts)) if how == "each" else spaces.Discrete(counts[0])
         super().__init__(envs, action_space=space)
-        self.how = how
-        units = np.full(dimension, DEFAULT) if start is None else np.asarray(start, dtype=np.float64)
-        if units.shape != (dimension,) or not ((units >= 0) & (units <= 1)).all():
-            raise ParameterError(f"start = {start!r}: needs {dimension} values from 0 to 1")
-        self.start = settings_of(2 * units - 1)
-        self._units = np.tile(self.start, (self.num_envs, 1))
+        self.how, self.start = how, start
+        for one in start.values() if isinstance(start, Mapping) else [] if start is None else [start]:
+            units = np.asarray(one, dtype=np.float64)
+            if units.shape != (dimension,) or not ((units >= 0) & (units <= 1)).all():
+                raise ParameterError(f"start = {one!r}: needs {dimension} values from 0 to 1")
+        self._units = np.zeros((self.num_envs, dimension))
 
     def reset(self) -> Observation:
         """Begin an episode in every slot."""
@@ -198,9 +197,11 @@ class ChangingVecEnv(VecEnvWrapper):
 
     def _begin(self, slots: NDArray[np.bool_], shown: Observation) -> Observation:
         """Go back to the start in some slots, and show it."""
-        self._units[slots] = self.start
         features = shown["features"] if isinstance(shown, dict) else shown
-        features[slots, -len(self.start) :] = self.start
+        dimension = self._units.shape[1]
+        for i in np.flatnonzero(slots):
+            self._units[i] = start_of(self.start, features[i], dimension)
+        features[slots, -dimension:] = self._units[slots]
         return shown
 
 

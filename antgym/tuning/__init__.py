@@ -1,7 +1,7 @@
 """One paid trial: spaces, tasks, budgets, sessions, agents and the ledger. All that an agent may import."""
 
 from antgym.planners.space import Parameter, ParameterSpace
-from antgym.tuning.actions import changed, choices, settings_of
+from antgym.tuning.actions import changed, choices, settings_of, start_of
 from antgym.tuning.agent import Agent, Result, tune, tune_together
 from antgym.tuning.budget import Budget
 from antgym.tuning.features import shown_rules
@@ -26,6 +26,7 @@ __all__ = [
     "observe_with_map",
     "settings_of",
     "shown_rules",
+    "start_of",
     "tune",
     "tune_together",
 ]

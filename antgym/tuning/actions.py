@@ -1,9 +1,12 @@
 """What actions ask for: settings, or changes of one; one function each for environments and policies."""
 
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from antgym.tuning.features import shown_rules
 
 GRID = 2.0**24
 CHANGES = (-0.25, -0.125, 0.0, 0.125, 0.25)
@@ -14,6 +17,9 @@ They are binary fractions, so that a walk over them from a setting of the grid s
 KEEP = CHANGES.index(0.0)
 Change = Literal["each", "one"]
 """Whether an action changes each parameter, or one of them at most."""
+Start = Sequence[float] | Mapping[str, Sequence[float]]
+"""A setting that changes begin from, or one for each of some rules; under other rules it is the published default."""
+_DEFAULT = 0.5  # of every parameter
 
 
 def settings_of(actions: ArrayLike) -> NDArray[np.float64]:
@@ -50,3 +56,16 @@ def changed(units: ArrayLike, picked: ArrayLike, how: Change) -> NDArray[np.floa
     which, step = np.divmod(numbers[added] - 1, len(others))
     moved[added, which] += others[step]
     return np.clip(moved, 0.0, 1.0)
+
+
+def start_of(start: Start | None, features: NDArray[np.float32], dimension: int) -> NDArray[np.float64]:
+    """Return the (d,) setting of the grid that changes begin from on a task.
+
+    Args:
+        start: one setting, one by rules, or None for the published default.
+        features: of the task, or an observation that begins with them; they show its rules.
+        dimension: d.
+    """
+    found = start.get(shown_rules(features) or "") if isinstance(start, Mapping) else start
+    units = np.full(dimension, _DEFAULT) if found is None else np.asarray(found, dtype=np.float64)
+    return settings_of(2 * units - 1)

@@ -55,6 +55,7 @@ def test_a_schedule_multiplies_natural_values_and_stays_within_their_ranges(bowl
         ("RecurrentPPO", "each", [0.25, 0.5, 0.75, 0.5], "features"),
         ("DQN", "one", [0.25, 0.5, 0.75, 0.5], "features"),
         ("SAC", "setting", None, "features"),
+        ("A2C", "each", {"liu2020": [0.25, 0.5, 0.75, 0.5]}, "features"),
         ("PPO", "each", None, "map3d"),
     ],
 )

@@ -242,3 +242,12 @@ def test_features_are_standardised_and_held_within_five_deviations(envs):
     out = extractor(torch.zeros(2, size))
     assert out[0].tolist() == [-2.0] * (size - 1) + [-5.0]
     assert set(extractor.state_dict()) == {"mean", "deviation"}
+
+
+def test_changes_may_begin_from_a_setting_by_rules():
+    envs = make_sb3_vec("antgym/OpenControl-v0", 6, seed=1, effort=[2, 40])
+    starts = {"max_min": [0.25] * 4, "elitist": [0.75] * 4}
+    shown, infos = (ours := ChangingVecEnv(envs, "each", starts)).reset(), ours.venv.reset_infos
+    for row, info in zip(shown, infos, strict=True):
+        assert row[-4:].tolist() == starts.get(info["rules"], [0.5] * 4)
+    assert len({info["rules"] for info in infos}) > 1

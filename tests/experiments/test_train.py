@@ -12,6 +12,7 @@ pytest.importorskip("safetensors", reason="needs the extra rl")
 from agents.algorithms import ALGORITHMS
 from agents.networks import load
 from agents.policy import PolicyAgent
+from agents.static import StaticSetting, StaticSettings
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.problem import TuningProblem
@@ -108,6 +109,15 @@ def test_settings_are_changed_from_a_start_that_is_published_with_the_policy(ask
     train.train(arguments)
     card, _ = load(arguments.out)
     assert (card.action, card.start) == ("each", [0.25, 0.5, 0.75, 0.5])
+
+
+def test_changes_begin_from_settings_by_rules_that_a_file_holds(asked, tmp_path):
+    setting = StaticSetting((0.25, 0.5, 0.75, 0.5), 7, ("alpha", "beta", "rho", "Q"))
+    StaticSettings({"liu2020": setting}).save(tmp_path / "by_rules.json")
+    arguments = asked("DQN", "Control", start_by_rules=tmp_path / "by_rules.json")
+    train.train(arguments)
+    assert load(arguments.out)[0].start == {"liu2020": [0.25, 0.5, 0.75, 0.5]}
+    assert "finished" in train.train(arguments)
 
 
 class StoppedError(Exception):
@@ -210,6 +220,7 @@ def test_the_published_policy_is_the_checkpoint_that_did_best(asked, monkeypatch
         ({"regime": "Control", "start": (0.5,)}, "needs 4 values"),
         ({"algorithm": "CrossQ", "kwargs": {"observation": "map"}}, "CrossQ reads no maps"),
         ({"kwargs": {"sweet": 1}}, "unknown environment argument 'sweet'"),
+        ({"kwargs": {"split": "test"}}, "a policy is trained on train maps"),
         ({"evaluations": 0}, "at least one planner run"),
         ({"validation": 0}, "on one map at least"),
         ({"seed": 1 << 32}, "seed = "),

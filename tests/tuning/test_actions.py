@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from antgym.tuning.actions import CHANGES, KEEP, changed, choices, settings_of
+from antgym.tuning.actions import CHANGES, KEEP, changed, choices, settings_of, start_of
+from antgym.tuning.features import TASK_FEATURES
 
 
 def test_a_setting_survives_being_shown_in_float32():
@@ -39,3 +40,12 @@ def test_a_walk_over_changes_stays_on_the_grid(how):
         picked = np.stack([rng.integers(0, n, 5) for n in choices(how, 4)], axis=1)
         units = changed(units, picked, how)
         assert (settings_of(2 * units - 1) == units).all()
+
+
+def test_changes_begin_from_the_setting_of_the_rules_or_the_default():
+    shown = np.array([feature.name == "rules_max_min" for feature in TASK_FEATURES], np.float32)
+    starts = {"max_min": [0.1] * 4, "elitist": [0.9] * 4}
+    assert start_of(starts, shown, 4) == pytest.approx([0.1] * 4, abs=1e-7)
+    assert start_of({"elitist": [0.9] * 4}, shown, 4).tolist() == [0.5] * 4
+    assert start_of(None, shown, 4).tolist() == [0.5] * 4
+    assert start_of([0.25] * 4, shown, 4).tolist() == [0.25] * 4
