@@ -39,6 +39,7 @@ class PolicyCard:
         parameters: that are chosen.
         start: the setting, each value in [0, 1], that changes begin from, or one by the name of the rules; None for the
             published default.
+        start_evaluations: planner runs that finding it spent, apart from ``evaluations``.
         env: id of the environment it was trained in.
         arguments: of that environment.
         evaluations: planner runs of the training.
@@ -64,6 +65,7 @@ class PolicyCard:
     action: Literal["setting", "each", "one"] = "setting"
     parameters: list[str] = field(default_factory=list)
     start: list[float] | dict[str, list[float]] | None = None
+    start_evaluations: int = 0
     env: str = ""
     arguments: dict[str, Any] = field(default_factory=dict)
     evaluations: int = 0
@@ -133,6 +135,7 @@ _CHECKS: dict[str, tuple[Callable[[Any], bool], str]] = {
         lambda value: value is None or all(_listed(one, _is_share) for one in _starts(value)),
         "values from 0 to 1, such by rules, or null",
     ),
+    "start_evaluations": _COUNT,
     "env": _TEXT,
     "arguments": _OBJECT,
     "evaluations": _COUNT,

@@ -5,8 +5,8 @@
 plays every controller on the maps of a split, one run of ten blocks per map and seed, all at the same effort and on
 the same seeds, which no training and no other harness uses. What is raced is an agent of the catalogue, whose
 recommendation without a trial then stays; ``schedule``, the best one of the suite's card on top of the setting of
-``--against``; or the file of a policy of Control. Stopped, the same command goes on; with more controllers, it plays
-those that are new.
+``--against``; or the file of a policy: one of Control steers, one of OneShot chooses once. Stopped, the same command
+goes on; with more controllers, it plays those that are new.
 """
 
 import time
@@ -21,7 +21,8 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
-from agents.published import beside, stem_of
+from agents.policy import PolicyAgent
+from agents.published import beside, read_card, stem_of
 from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
 from antgym.console import main, parse, progress, write_whole
 from antgym.envs.cards import load_card
@@ -48,7 +49,7 @@ class Arguments:
     """Race controllers, or go on with a race that was stopped."""
 
     controllers: Annotated[tuple[str, ...], tyro.conf.Positional] = ("published_default", STATIC, SCHEDULE)
-    """Agents of the catalogue, "schedule", and files of policies of Control."""
+    """Agents of the catalogue, "schedule", and files of policies of Control or OneShot."""
     suite: str = "open-v0"
     """Suite of the maps."""
     split: Literal["validation", "test", "ood"] = "test"
@@ -175,15 +176,20 @@ def _entrants(
         if schedule and entrant.name == arguments.against:
             changes = ScheduleController(entrant.agent, card_schedule(arguments.suite))
             found.append(Entrant(SCHEDULE, changes, None))
-    for path in policies:
-        controller = PolicyController(path)
-        found.append(Entrant(stem_of(path).name, controller, controller.card.evaluations))
+    found += [_policy(path) for path in policies]
     names = [entrant.name for entrant in found]
     if len(set(names)) < len(names):
         raise ParameterError(
             f"controllers need names of their own, got {', '.join(names)}; rename a policy's files"
         )
     return found
+
+
+def _policy(path: str) -> Entrant:
+    """Return a policy of Control as it steers, one of OneShot as a constant."""
+    card = read_card(path)
+    controller = PolicyController(path) if card.regime == "Control" else ConstantController(PolicyAgent(path))
+    return Entrant(stem_of(path).name, controller, card.evaluations + card.start_evaluations)
 
 
 def card_schedule(suite: str) -> Schedule:

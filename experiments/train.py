@@ -226,7 +226,7 @@ def _titled(title: str, standing: Standing) -> str:
 def _facts(
     learner: Learner, arguments: Arguments, standing: Standing, asked: dict[str, Any]
 ) -> dict[str, Any]:
-    regime = learner.entry.regime
+    regime, by_rules = learner.entry.regime, arguments.start_by_rules
     features = CONTROL_FEATURES if regime == "Control" else TASK_FEATURES
     return {
         "regime": regime,
@@ -234,6 +234,7 @@ def _facts(
         "features": [feature.name for feature in features],
         "action": learner.how,
         "start": learner.start,
+        "start_evaluations": StaticSettings.load(by_rules).evaluations if by_rules else 0,
         "env": arguments.env,
         "arguments": dict(learner.kwargs),
         "evaluations": standing.evaluations,

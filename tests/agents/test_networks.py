@@ -73,6 +73,7 @@ WRONG = {
     "action": "jump",
     "parameters": [1],
     "start": [0.5],
+    "start_evaluations": -1,
     "env": None,
     "arguments": [],
     "evaluations": 1.5,

@@ -65,12 +65,15 @@ def test_a_policy_and_a_schedule_race_against_the_static_setting(asked, tmp_path
         regime="Control",
         evaluations=9,
     )
-    table = race(asked("published_default", "schedule", str(tmp_path / "steer.json")))
+    export(blank_model(), tmp_path / "once")
+    policies = (str(tmp_path / "steer.json"), str(tmp_path / "once"))
+    table = race(asked("published_default", "schedule", *policies))
     rows = [line for line in table.splitlines() if line.startswith("| `")]
     assert {row.split("`")[1] for row in rows} == {
         "published_default",
         "schedule",
         "steer",
+        "once",
         "best_static_by_rules",
     }
     assert all("[" in row for row in rows if "best_static" not in row)

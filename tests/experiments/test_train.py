@@ -116,7 +116,8 @@ def test_changes_begin_from_settings_by_rules_that_a_file_holds(asked, tmp_path)
     StaticSettings({"liu2020": setting}).save(tmp_path / "by_rules.json")
     arguments = asked("DQN", "Control", start_by_rules=tmp_path / "by_rules.json")
     train.train(arguments)
-    assert load(arguments.out)[0].start == {"liu2020": [0.25, 0.5, 0.75, 0.5]}
+    card, _ = load(arguments.out)
+    assert (card.start, card.start_evaluations) == ({"liu2020": [0.25, 0.5, 0.75, 0.5]}, 7)
     assert "finished" in train.train(arguments)
 
 
