@@ -80,6 +80,9 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
     for name, make in steps.items():
         if name in wanted and not (folder / name).exists():
             make(folder / name)
+    for name in wanted:
+        if not (folder / name).exists():
+            raise ParameterError(f"{folder / name} is not there; what has a name of its own is trained apart")
     return spent(folder, names)
 
 
@@ -92,11 +95,19 @@ def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
         "experience.json": lambda path: Experience.load(path).evaluations,
         "policy.json": _policy_evaluations,
     }
-    return {name: evaluations[name](folder / name) for name in sorted(_files(names))}
+    return {name: evaluations[kind](folder / name) for name, kind in sorted(_files(names).items())}
 
 
-def _files(names: Sequence[str]) -> set[str]:
-    return {ARGUMENTS[card.entry_point][1] for card in map(agents.find_card, names) if card.trained}
+def _files(names: Sequence[str]) -> dict[str, str]:
+    """Return the files that these agents need, and by what name each is known where it has none of its own."""
+    cards = [card for card in map(agents.find_card, names) if card.trained]
+    kinds = [ARGUMENTS[card.entry_point][1] for card in cards]
+    return {_file(card.name, kind): kind for card, kind in zip(cards, kinds, strict=True)}
+
+
+def _file(name: str, kind: str) -> str:
+    own = name.partition(":")[2]
+    return f"{own}.json" if own else kind
 
 
 def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
@@ -107,7 +118,8 @@ def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
     card = agents.find_card(name)
     if not card.trained:
         return {}
-    argument, file = ARGUMENTS[card.entry_point]
+    argument, kind = ARGUMENTS[card.entry_point]
+    file = _file(name, kind)
     flagship = policy.SHIPPED / f"{policy.FLAGSHIP}.json"
     if folder is None and file == "policy.json" and flagship.exists():
         return {argument: flagship}

@@ -97,7 +97,7 @@ def find_agent(name: str, folder: Path | None) -> Agent:
     path = next(iter(argument.values()))
     if (folder is None and path.parent == here) or not path.exists():
         make = f"experiments.train PPO --out {path.with_suffix('')}"
-        if path.name != "policy.json":
+        if name.partition(":")[0] != "rl":
             make = f"experiments.artefacts {name} --out {here}"
         problem = f"{path} is not there" if folder else "--artefacts FOLDER is missing"
         raise ParameterError(

@@ -179,6 +179,16 @@ def test_an_unknown_agent_names_the_nearest():
         agents.make("optuna_tp")
 
 
+def test_a_trained_agent_may_have_a_file_of_its_own_name():
+    assert agents.find_card("rl:seed-3") == agents.find_card("rl")._replace(name="rl:seed-3")
+
+
+@pytest.mark.parametrize("name", ["rl:", "ga:x", "r:x"])
+def test_others_have_none(name):
+    with pytest.raises(ParameterError, match=f"unknown agent '{name}'"):
+        agents.find_card(name)
+
+
 def test_an_unknown_argument_names_the_nearest():
     with pytest.raises(ParameterError, match="did you mean 'rerun_share'"):
         agents.make("random_search", rerun=0.1)
