@@ -42,6 +42,13 @@ def algorithm_class(name: str) -> Any:
         raise MissingExtraError(module.replace("_", "-"), "rl") from error
 
 
+def _safetensors() -> Any:
+    try:
+        return import_module("safetensors.torch")
+    except ModuleNotFoundError as error:
+        raise MissingExtraError("safetensors", "rl") from error
+
+
 def load(path: str | Path) -> tuple[PolicyCard, Any]:
     """Return a published policy: its card, and its network, which ``predict`` asks.
 
@@ -72,11 +79,11 @@ def export(model: Any, path: str | Path, **facts: Any) -> PolicyCard:
     Raises:
         ParameterError: where the policy is built from what a card cannot hold.
     """
-    from safetensors.torch import save
-
     name = type(model).__name__
     state = _needed(find_algorithm(name), model.policy.state_dict())
-    weights = save({key: value.detach().cpu().contiguous().clone() for key, value in state.items()})
+    weights = _safetensors().save(
+        {key: value.detach().cpu().contiguous().clone() for key, value in state.items()}
+    )
     card = PolicyCard(
         algorithm=name,
         policy=_alias(model),
@@ -165,8 +172,8 @@ def _done(card: PolicyCard) -> Any:
 
 def _fill(network: Any, card: PolicyCard, data: bytes) -> Any:
     """Fill a network with weights, which are those it needs, no more and no fewer."""
+    parse = _safetensors().load
     from safetensors import SafetensorError
-    from safetensors.torch import load as parse
 
     try:
         weights = parse(data)

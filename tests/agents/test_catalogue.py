@@ -224,6 +224,19 @@ def test_a_trained_agent_without_its_artefact_says_what_it_needs(name, argument)
         agents.make(name)
 
 
+def test_a_policy_without_safetensors_says_how_to_mend_it(tmp_path, monkeypatch):
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    export(blank_model(), tmp_path / "p")
+    monkeypatch.setitem(sys.modules, "safetensors.torch", None)
+    with pytest.raises(MissingExtraError, match=r"safetensors is not .*antgym\[rl\]"):
+        agents.make("rl", path=tmp_path / "p")
+
+
 def test_versions_name_every_library_behind_an_agent():
     require("optuna_cma")
     assert set(agents.versions("optuna_cma")) == {"numpy", "optuna", "cmaes"}
