@@ -1,10 +1,11 @@
 """Dynamic headroom: what changing the parameters within a run could add to the best static setting."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.steering import Schedule
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
 from antgym.planners.colony import Colony
 from antgym.planners.threads import run_ranges
@@ -16,19 +17,6 @@ Floats = NDArray[np.float64]
 FACTORS = (0.25, 0.5, 2.0, 4.0)
 SWITCHES = (2, 5, 8)  # blocks before the change
 RUNS = 8
-
-
-class Schedule(NamedTuple):
-    """Two settings, one before and one after some blocks: α and β of the static one times a factor each."""
-
-    alpha: tuple[float, float]
-    beta: tuple[float, float]
-    switch: int
-
-    @property
-    def label(self) -> str:
-        """How the card names it."""
-        return f"alpha x {self.alpha}, beta x {self.beta}, change after block {self.switch}"
 
 
 def family() -> list[Schedule]:
