@@ -20,10 +20,15 @@ __all__ = ["CATALOGUE", "Card", "find_card", "make", "to_markdown", "versions"]
 
 
 def find_card(name: str) -> Card:
-    """Return an agent's card; ParameterError names the nearest known agent."""
-    if name not in CATALOGUE:
+    """Return an agent's card; ParameterError names the nearest known agent.
+
+    A trained agent may be named with a file of its own behind a colon: ``"rl:NAME"`` is ``rl`` by another name, which
+    harnesses give NAME.json. So policies of several trainings take part beside each other.
+    """
+    known, _, file = name.partition(":")
+    if known not in CATALOGUE or (":" in name and not (file and CATALOGUE[known].trained)):
         raise ParameterError(f"unknown agent {name!r}; {nearest(name, tuple(CATALOGUE))}")
-    return CATALOGUE[name]
+    return CATALOGUE[known]._replace(name=name)
 
 
 def make(name: str, **overrides: Any) -> "Agent":

@@ -226,10 +226,10 @@ _CARDS = (
         "rl",
         "agents.policy:PolicyAgent",
         {},
-        "frozen policy (stable-baselines3), no trial",
+        "published policy (stable-baselines3), no trial, or trials that it picks one by one",
         "rl",
         trained=True,
-        libraries=("stable-baselines3", "torch"),
+        libraries=("safetensors", "sb3-contrib", "stable-baselines3", "torch"),
     ),
 )
 CATALOGUE: dict[str, Card] = {card.name: card for card in _CARDS}

@@ -1,99 +1,108 @@
-"""Frozen policies of stable-baselines3: a setting from what is seen of the task, with no trial."""
+"""Published policies as agents: a setting from what is seen of the task, or trials that a policy picks one by one."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.errors import MissingExtraError, ParameterError, nearest
-from antgym.tuning import Task, Trial, observe, observe_with_map
+from agents.networks import Player, load
+from agents.published import PolicyCard
+from antgym.errors import ParameterError, nearest
+from antgym.tuning import Task, Trial, incumbent, observe, observe_with_map, settings_of
 
 Floats = NDArray[np.float64]
-ALGORITHMS = ("A2C", "DDPG", "PPO", "SAC", "TD3")
+SHIPPED = Path(__file__).parent / "policies"
+FLAGSHIP = "open-one-shot"
+DEFAULT = 0.5  # of every parameter: the published one
 
 
 class PolicyAgent:
-    """Recommend the deterministic action of a trained policy.
+    """Follow a published policy, deterministically.
 
-    A checkpoint is unpickled by stable-baselines3: load only those that you trained yourself.
+    A policy of OneShot recommends without a trial. One of Trials picks every trial from what it sees, which is what
+    `TrialsEnv` shows, and recommends what that pays for: the setting with the lowest mean cost. Files are read without
+    running anything of them.
 
     Args:
-        path: checkpoint ``<name>.zip``, or the name alone, or the card beside it: ``<name>.json``, which holds at
-            least ``{"algorithm": "TD3"}`` and, for tables, ``env`` and ``evaluations``.
+        path: NAME of NAME.json and NAME.safetensors, or either file; the shipped ``policy`` where there is none.
+        policy: name of a shipped policy.
 
     Attributes:
         card: what the JSON file says.
 
     Raises:
-        ParameterError: where a file is missing, is no JSON object, or names an unknown algorithm.
+        ParameterError: where a file is missing or damaged, no such policy is shipped, or it is one that steers a run.
     """
 
-    def __init__(self, path: str | Path) -> None:
-        stem = str(path).removesuffix(".zip").removesuffix(".json")
-        self.path = Path(f"{stem}.zip")
-        self.card = _read_card(Path(f"{stem}.json"))
-        if not self.path.is_file():
-            raise ParameterError(f"{self.path}: no such checkpoint")
-        self._model = _load(self.path, str(self.card["algorithm"]))
+    def __init__(self, path: str | Path | None = None, *, policy: str = FLAGSHIP) -> None:
+        self.path = shipped(policy) if path is None else Path(path)
+        self.card, self._network = load(self.path)
+        if self.card.regime == "Control":
+            raise ParameterError(
+                f"{self.path}: steers a run and picks no setting; agents.steering.PolicyController plays it"
+            )
 
     def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - a deterministic policy
-        """Look at the task; ParameterError where the policy was trained on another observation."""
-        self._dimension = len(task.space)
-        space = self._model.observation_space
-        observation: Any = observe(task)
-        if (
-            isinstance(space, Mapping) and space.get("map") is not None
-        ):  # trained with a map beside the features
-            observation = observe_with_map(task, flat=len(space["map"].shape) == 3)
-        if _shapes(observation) != _shapes(space):
-            raise ParameterError(
-                f"{self.path}: takes observations of shape {_shapes(space)}, the task's is {_shapes(observation)}"
-            )
-        action, _ = self._model.predict(observation, deterministic=True)
-        self._setting = np.clip((np.asarray(action, dtype=np.float64) + 1) / 2, 0.0, 1.0)
-        if self._setting.shape != (self._dimension,):
-            raise ParameterError(
-                f"{self.path}: picks {self._setting.size} parameters, the task has {self._dimension}"
-            )
+        """Look at the task; ParameterError where the policy was trained on another observation or other parameters."""
+        if self.card.regime == "Trials" and task.budget == 0:
+            raise ParameterError(f"{self.path}: picks trials, but the task's budget is 0")
+        require_parameters(self.path, self.card, task)
+        self._task, self._player = task, Player(self._network)
+        self._trials: list[Trial] = []
+        self._setting = np.full(len(task.space), DEFAULT)
+        if self.card.regime == "OneShot":
+            self._setting = self._pick()
 
     def ask(self) -> Floats:
-        """Return no settings, (0, d)."""
-        return np.empty((0, self._dimension))
+        """Return the next setting, (1, d); none, (0, d), from a policy of OneShot."""
+        return np.empty((0, len(self._setting))) if self.card.regime == "OneShot" else self._pick()[None]
 
     def tell(self, trials: Sequence[Trial]) -> None:
-        """Ignore trials."""
+        """Remember trials; a policy of OneShot has no use for them."""
+        self._trials += trials
+        if self.card.regime == "Trials":
+            self._setting = np.array(incumbent(self._trials)[0])
 
     def recommend(self) -> Floats:
-        """Return the policy's setting, (d,)."""
+        """Return the policy's setting, (d,); from one of Trials the incumbent, before any the published one."""
         return self._setting.copy()
 
+    def _pick(self) -> Floats:
+        seen = self._observe()
+        require_shape(self.path, self.card, seen)
+        return settings_of(self._player.act(seen))
 
-def _shapes(seen: Any) -> Any:
-    """Return the shape of an observation or its space, of each part by name where it has several."""
-    return {name: part.shape for name, part in seen.items()} if isinstance(seen, Mapping) else seen.shape
-
-
-def _read_card(path: Path) -> dict[str, Any]:
-    try:
-        card = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ParameterError(f"{path}: no such file; it says which algorithm made the checkpoint") from None
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise ParameterError(f"{path}: no JSON ({error})") from None
-    if not isinstance(card, dict) or card.get("algorithm") not in ALGORITHMS:
-        name = str(card.get("algorithm")) if isinstance(card, dict) else ""
-        raise ParameterError(f"{path}: algorithm {name!r} is unknown; {nearest(name, ALGORITHMS)}")
-    return card
+    def _observe(self) -> Any:
+        card = self.card
+        if card.map is None:
+            return observe(self._task, self._trials, window=card.window)
+        flat = card.observation == "map2d"
+        return observe_with_map(self._task, self._trials, window=card.window, flat=flat)
 
 
-def _load(path: Path, algorithm: str) -> Any:
-    try:
-        import stable_baselines3
-        import torch
-    except ModuleNotFoundError as error:
-        raise MissingExtraError("stable-baselines3", "rl") from error
-    torch.set_num_threads(1)  # the nets are tiny: more threads only fight the planner's
-    return getattr(stable_baselines3, algorithm).load(path, device="cpu")
+def shipped(policy: str) -> Path:
+    """Return the path of a policy that comes with antgym; ParameterError names those that there are."""
+    if not (SHIPPED / f"{policy}.json").is_file():
+        known = tuple(sorted(path.stem for path in SHIPPED.glob("*.json")))
+        hint = nearest(policy, known) if known else "none is, so far"
+        raise ParameterError(
+            f"agent 'rl' needs path=, the fitted artefact it works with: no policy {policy!r} is shipped; {hint}"
+        )
+    return SHIPPED / policy
+
+
+def require_parameters(path: Path, card: PolicyCard, task: Task) -> None:
+    """Raise ParameterError where a policy picks other parameters than a task has."""
+    if tuple(card.parameters) != task.space.names:
+        raise ParameterError(f"{path}: picks {card.parameters}, the task has {list(task.space.names)}")
+
+
+def require_shape(path: Path, card: PolicyCard, seen: Any) -> None:
+    """Raise ParameterError where an observation is not of the shape that a policy was trained on."""
+    vector = seen["features"] if card.map is not None else seen
+    if vector.shape != (card.size,):
+        raise ParameterError(
+            f"{path}: takes observations of shape {(card.size,)}, the task's is {vector.shape}"
+        )

@@ -70,9 +70,9 @@ class StaticSettings(NamedTuple):
 def race(sessions: Sequence[Session], candidates: Floats, *, first: int = 16) -> StaticSetting:
     """Race settings over maps: each round runs the survivors on new maps and keeps a quarter of them.
 
-    Successive halving over maps, never over iterations: the best persistence depends on the iterations
-    (tuning.md, D5). Costs are averaged over all maps a setting has seen; a run without a path counts as twice
-    the best any candidate reached on that map.
+    Successive halving over maps, never over iterations: the best persistence depends on the iterations.
+    Costs are averaged over all maps a setting has seen; a run without a path counts as twice the best any candidate
+    reached on that map.
 
     Args:
         sessions: one per map, each with at least one trial per candidate left, in the order to use them.

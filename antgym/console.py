@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from antgym.errors import AntgymError
 
@@ -15,8 +15,16 @@ RESUMES = "interrupted; the same command goes on where this one stopped"
 _BOX = "╭╮╰╯│─"
 
 
+class Advance(Protocol):
+    """What moves a bar on by some steps, and says something else beside it where there is something to say."""
+
+    def __call__(self, steps: int, title: str | None = None) -> None:
+        """Move on."""
+        ...
+
+
 @contextmanager
-def progress(title: str, total: int | None, after: float = 0.0) -> Iterator[Callable[[int], None]]:
+def progress(title: str, total: int | None, after: float = 0.0) -> Iterator[Advance]:
     """Show a bar on stderr while the block runs; yields the function that advances it. No total: it pulses.
 
     Args:
@@ -31,12 +39,12 @@ def progress(title: str, total: int | None, after: float = 0.0) -> Iterator[Call
     bar, begun, shown = Progress(*columns, console=Console(stderr=True)), time.monotonic(), False
     task = bar.add_task(title, total=total)
 
-    def advance(steps: int) -> None:
+    def advance(steps: int, title: str | None = None) -> None:
         nonlocal shown
         if not shown and time.monotonic() - begun >= after:
             bar.start()
             shown = True
-        bar.advance(task, steps)
+        bar.update(task, advance=steps, description=title)
 
     advance(0)
     try:

@@ -17,12 +17,13 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
+from agents import policy
 from agents.experience import Experience
 from agents.fitting import trials_needed
 from agents.graph import TransferGraph
 from agents.static import StaticSetting, StaticSettings, race, race_by_rules
 from antgym.console import main, parse, progress
-from antgym.envs.catalogue import CATALOGUE
+from antgym.envs.catalogue import WORLDS
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.planners.planning import are_bees
@@ -35,8 +36,9 @@ from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
 _T = TypeVar("_T")
+TRAINED = Path("out/trained")
 REPEATS = 5  # runs of each set of the transfer graph on each of its maps
-EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats (tuning.md, D3)
+EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats
 MOST_SETTINGS = 256  # of the experience
 ARGUMENTS = {
     "agents.static:StaticAgent": ("setting", "static.json"),
@@ -62,7 +64,7 @@ class Arguments:
     """Suite whose train maps are learnt from."""
     preset: Literal["smoke", "quick", "full"] = "quick"
     """How much is spent: smoke for tests, quick minutes, full an hour."""
-    out: Path = Path("out/trained")
+    out: Path = TRAINED
     """Folder of the files."""
 
 
@@ -80,6 +82,9 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
     for name, make in steps.items():
         if name in wanted and not (folder / name).exists():
             make(folder / name)
+    for name in wanted:
+        if not (folder / name).exists():
+            raise ParameterError(f"{folder / name} is not there; what has a name of its own is trained apart")
     return spent(folder, names)
 
 
@@ -92,20 +97,35 @@ def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
         "experience.json": lambda path: Experience.load(path).evaluations,
         "policy.json": _policy_evaluations,
     }
-    return {name: evaluations[name](folder / name) for name in sorted(_files(names))}
+    return {name: evaluations[kind](folder / name) for name, kind in sorted(_files(names).items())}
 
 
-def _files(names: Sequence[str]) -> set[str]:
-    return {ARGUMENTS[card.entry_point][1] for card in map(agents.find_card, names) if card.trained}
+def _files(names: Sequence[str]) -> dict[str, str]:
+    """Return the files that these agents need, and by what name each is known where it has none of its own."""
+    cards = [card for card in map(agents.find_card, names) if card.trained]
+    kinds = [ARGUMENTS[card.entry_point][1] for card in cards]
+    return {_file(card.name, kind): kind for card, kind in zip(cards, kinds, strict=True)}
 
 
-def trained_argument(name: str, folder: Path) -> dict[str, Path]:
-    """Return the keyword argument by which an agent finds its file; empty where it needs none."""
+def _file(name: str, kind: str) -> str:
+    own = name.partition(":")[2]
+    return f"{own}.json" if own else kind
+
+
+def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
+    """Return the keyword argument by which an agent finds its file; empty where it needs none.
+
+    Without a folder it is the policy that comes with antgym, for ``rl`` and if there is one, or a file of TRAINED.
+    """
     card = agents.find_card(name)
     if not card.trained:
         return {}
-    argument, file = ARGUMENTS[card.entry_point]
-    return {argument: folder / file}
+    argument, kind = ARGUMENTS[card.entry_point]
+    file = _file(name, kind)
+    flagship = policy.SHIPPED / f"{policy.FLAGSHIP}.json"
+    if folder is None and file == "policy.json" and flagship.exists():
+        return {argument: flagship}
+    return {argument: (folder or TRAINED) / file}
 
 
 def derived_seed(*parts: str | int) -> int:
@@ -160,8 +180,14 @@ def _gather(suite: str, preset: Preset) -> Experience:
 
 
 def _train(card: Path, suite: str, preset: Preset) -> None:
-    env = next(entry.id for entry in CATALOGUE if entry.kwargs == {"suite": suite})  # its OneShot
-    train.train(train.Arguments("PPO", env, preset.policy_evaluations, out=card.with_suffix("")))
+    """Train a policy on the world of a suite, its settings those of the regime's file."""
+    worlds = [world for world, its in WORLDS.items() if its == suite]
+    env, kwargs = (
+        f"antgym/{(worlds or ['Mountain'])[0]}OneShot-v0",
+        json.dumps({} if worlds else {"suite": suite}),
+    )
+    evaluations, out = preset.policy_evaluations, card.with_suffix("")
+    train.train(train.Arguments("PPO", env, evaluations=evaluations, out=out, kwargs=kwargs))
 
 
 def _policy_evaluations(card: Path) -> int:

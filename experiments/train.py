@@ -1,123 +1,280 @@
-"""Train an RL tuner of stable-baselines3 on a OneShot environment.
+"""Train an RL tuner with an algorithm of stable-baselines3 or sb3-contrib, and publish it.
 
     python -m experiments.train PPO antgym/MountainOneShot-v0 --evaluations 64000 --out out/policy
 
-writes the checkpoint <out>.zip and beside it <out>.json, its card: settings, planner runs and seconds spent,
-versions. The same arguments give the same policy.
+writes OUT.safetensors and OUT.json, a policy that ``agents.make("rl", path=OUT)`` follows. Training goes in ten legs.
+After each, the policy plays the validation maps, one episode each, on runs that are counted apart; the best of the ten
+is published. Stopped or killed, the same command goes on after the last whole leg; finished, it says so.
+
+Every leg begins with new episodes, its seeds a function of the root seed and the leg. So a training that was resumed
+gives the same policy as one that was not, bit for bit, with the same versions on the same machine; TensorBoard's curves
+and the seconds are what may differ. ``--evaluations`` is rounded down to whole updates of the networks and
+whole episodes, one at least.
 """
 
 import json
-import os
+import math
 import time
-import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, NamedTuple
 
-import numpy as np
 import tyro
 
-from antgym.console import progress
-from antgym.envs.catalogue import CATALOGUE
-from antgym.errors import MissingExtraError, ParameterError, nearest
+from agents.networks import algorithm_class, export
+from agents.published import beside, read_card
+from agents.static import StaticSettings
+from antgym.console import RESUMES, Advance, main, parse, progress
+from antgym.errors import MissingExtraError, ParameterError
+from antgym.maps.suites import load_suite
+from antgym.planners.planning import are_bees
+from antgym.planners.swarms import parameter_names
+from antgym.tuning.actions import Start
+from antgym.tuning.features import task_table
+from antgym.tuning.run_features import control_table
+from antgym.tuning.seeding import child_states
+from experiments.checkpoints import Checkpoints, Standing, require_same
+from experiments.learners import Learner, parsed
+from experiments.validation import Validation
 
-CONFIGS = Path(__file__).parent / "configs"
-LIBRARIES = ("antgym", "numpy", "gymnasium", "stable-baselines3", "torch")
+LEGS = 10
+LIBRARIES = ("antgym", "numpy", "gymnasium", "sb3-contrib", "stable-baselines3", "torch")
+SEED_LIMIT = 1 << 32  # of NumPy's old generator, which stable-baselines3 seeds
+_LEG = 11  # seed domain
 
 
 @dataclass(frozen=True)
 class Arguments:
-    """Train an RL tuner."""
+    """Train an RL tuner, or go on with a training that was stopped."""
 
     algorithm: Annotated[str, tyro.conf.Positional]
-    """PPO, SAC or TD3; its settings are a table of the configuration file."""
+    """PPO, A2C, TRPO, RecurrentPPO, ARS, SAC, TD3, DDPG, TQC, CrossQ; in Control also DQN and QRDQN."""
     env: Annotated[str, tyro.conf.Positional] = "antgym/MountainOneShot-v0"
     """Id of the environment; its train split is used."""
     evaluations: int = 64_000
-    """Planner runs to spend."""
+    """Planner runs to spend on training."""
     seed: int = 0
     """Root seed of networks, scenarios and planner."""
     out: Path = Path("out/policy")
-    """Where the checkpoint goes; .zip and .json are added."""
-    config: Path = CONFIGS / "one_shot.toml"
-    """Settings by algorithm."""
+    """Where the policy goes; .safetensors and .json are added, .checkpoints while it is made."""
+    observation: Literal["features", "map", "map2d", "map3d"] = "features"
+    """What the policy sees; maps are read by convolutions."""
+    action: Literal["each", "one", "setting"] | None = None
+    """Control: changes of each parameter or of one, or settings; by default the first that the algorithm learns."""
+    start: tuple[float, ...] | None = None
+    """Control: the setting that changes begin from, a value from 0 to 1 a parameter; by default the published one."""
+    start_by_rules: Path | None = None
+    """Control: a file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
+    kwargs: str = "{}"
+    """Arguments of the environment as JSON: '{"suite": "room-v0", "reward": "improvement", "budget": 20}'."""
+    validation: int = 50
+    """Maps of the validation split that checkpoints are chosen on, one run each."""
+    config: Path | None = None
+    """Settings by algorithm; by default the regime's file in experiments/configs."""
+    tensorboard: Path | None = None
+    """Folder of TensorBoard's curves; none by default."""
+
+
+class Goal(NamedTuple):
+    """Steps of all slots after which a leg ends, and the whole training."""
+
+    leg: int
+    whole: int
 
 
 def train(arguments: Arguments) -> dict[str, Any]:
-    """Train, save, and return the card; an interrupted training leaves nothing behind."""
+    """Train what is left to train, publish it, and return what the policy's JSON says."""
+    _check(arguments)
+    learner, asked = _learner(arguments), _asked(arguments)
+    finished = beside(arguments.out, ".json")
+    kept = Checkpoints(beside(arguments.out, ".checkpoints"), asked)
+    if finished.exists():
+        card = read_card(finished)
+        require_same(finished, card.settings.get("asked", {}), json.loads(json.dumps(asked)))
+        kept.remove()  # where it was killed right before
+        return {"finished": str(finished), **_short(card)}
+    model = _run(learner, arguments, kept)
+    card = export(kept.best(model), arguments.out, **_facts(learner, arguments, kept.standing, asked))
+    kept.remove()
+    return _short(card)
+
+
+def _check(arguments: Arguments) -> None:
     if arguments.evaluations < 1:
         raise ParameterError(
             f"evaluations = {arguments.evaluations}: training needs at least one planner run"
         )
-    known = tuple(entry.id for entry in CATALOGUE)
-    if arguments.env not in known:
-        raise ParameterError(f"unknown environment {arguments.env!r}; {nearest(arguments.env, known)}")
-    stable_baselines3 = _library()
-    settings = _settings(arguments.config, arguments.algorithm)
-    from antgym.envs.sb3 import make_sb3_vec
+    if not 0 <= arguments.seed < SEED_LIMIT:
+        raise ParameterError(f"seed = {arguments.seed}: needs a whole number from 0 to 2^32 - 1")
+    if arguments.tensorboard is not None and find_spec("tensorboard") is None:
+        raise MissingExtraError("tensorboard", "rl")
 
-    envs = make_sb3_vec(arguments.env, settings.pop("num_envs"), seed=arguments.seed)
-    if "action_noise" in settings:
-        from stable_baselines3.common.noise import NormalActionNoise
 
-        size = envs.action_space.shape
-        settings["action_noise"] = NormalActionNoise(np.zeros(size), np.full(size, settings["action_noise"]))
-    algorithm = getattr(stable_baselines3, arguments.algorithm)
-    model = algorithm("MlpPolicy", envs, seed=arguments.seed, device="cpu", **settings)
-    begun = time.perf_counter()
-    _learn(model, arguments)
-    card = {
-        "algorithm": arguments.algorithm,
-        "env": arguments.env,
-        "seed": arguments.seed,
-        "evaluations": envs.native.planner_runs,
-        "seconds": round(time.perf_counter() - begun, 1),
-        "config": _settings(arguments.config, arguments.algorithm),
-        "versions": {name: version(name) for name in LIBRARIES},
+def _learner(arguments: Arguments) -> Learner:
+    kwargs = {"observation": arguments.observation, **parsed(arguments.kwargs)}
+    if kwargs.get("split") in ("validation", "test", "ood"):
+        raise ParameterError(
+            f"split {kwargs['split']!r}: a policy is trained on train maps and judged on others"
+        )
+    return Learner(
+        arguments.algorithm, arguments.env, arguments.action, kwargs, _start(arguments), arguments.config
+    )
+
+
+def _start(arguments: Arguments) -> Start | None:
+    """Return what changes begin from."""
+    if arguments.start_by_rules is None:
+        return arguments.start and list(arguments.start)
+    if arguments.start is not None:
+        raise ParameterError("--start and --start-by-rules: changes begin from one of them")
+    settings = StaticSettings.load(arguments.start_by_rules).by_rules
+    return {rules: list(setting.unit) for rules, setting in settings.items()}
+
+
+def _asked(arguments: Arguments) -> dict[str, Any]:
+    """Return what decides a training; with the same it goes on, with anything else it does not."""
+    learner = _learner(arguments)
+    names = ("algorithm", "env", "evaluations", "seed", "validation")
+    asked = {name: getattr(arguments, name) for name in names}
+    return {
+        **asked,
+        "start": learner.start,
+        "action": learner.how,
+        "kwargs": dict(learner.kwargs),
+        "settings": learner.settings,
     }
-    _save(model, arguments.out, card)
-    return card
 
 
-def _library() -> Any:
-    try:
-        import stable_baselines3
-        import torch
-    except ImportError:
-        raise MissingExtraError("stable-baselines3", "rl") from None
-    torch.set_num_threads(1)  # small nets: more threads only get in the planner's way
-    return stable_baselines3
+def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
+    """Return the model after all legs, those that are kept among them."""
+    kind = algorithm_class(arguments.algorithm)
+    log = None if arguments.tensorboard is None else str(arguments.tensorboard)
+    envs, validation = learner.train_envs(arguments.seed), Validation(learner, arguments.validation)
+    steps = max(1, int(arguments.evaluations / learner.runs_a_step))
+    begun = kept.standing.leg > 0
+    model = kept.resume(kind, envs, log) if begun else learner.model(envs, arguments.seed, steps, log)
+    unit = _unit(model, learner.steps_an_episode)
+    units = max(1, steps // unit)
+    title = f"{arguments.algorithm} on {arguments.env}"
+    with progress(title, round(units * unit * learner.runs_a_step)) as advance:
+        advance(kept.standing.evaluations, _titled(title, kept.standing))
+        for leg in range(kept.standing.leg, LEGS):
+            until = unit * (units * (leg + 1) // LEGS)
+            if until > model.num_timesteps:
+                goal = Goal(until, unit * units)
+                standing = _walk(model, goal, kept.standing, leg + 1, validation, arguments, advance)
+                kept.keep(model, standing)
+                advance(0, _titled(title, standing))
+    return model
 
 
-def _settings(path: Path, algorithm: str) -> dict[str, Any]:
-    table = tomllib.loads(path.read_text(encoding="utf-8"))
-    if algorithm not in table:
-        raise ParameterError(f"{path} has no settings for {algorithm!r}; {nearest(algorithm, tuple(table))}")
-    return dict(table[algorithm])
+def _walk(
+    model: Any,
+    goal: Goal,
+    before: Standing,
+    leg: int,
+    validation: Validation,
+    arguments: Arguments,
+    advance: Advance,
+) -> Standing:
+    """Train a leg and validate; return how the training stands then."""
+    begun, native = time.perf_counter(), model.get_env().unwrapped.native
+    spent, judged = native.planner_runs, validation.runs
+    shown = spent
+
+    def after_step(*_: Any) -> bool:
+        nonlocal shown
+        advance(native.planner_runs - shown)
+        shown = native.planner_runs
+        model._total_timesteps = goal.whole  # schedules, as of DQN's exploration, go over all legs
+        return True
+
+    model.set_random_seed(int(child_states([arguments.seed], [(_LEG, leg)])[0, 0]) % SEED_LIMIT)
+    model._last_obs = None  # so that learning begins new episodes, resumed or not
+    name = f"{arguments.algorithm}-{arguments.out.name}"
+    model.learn(goal.leg - model.num_timesteps, after_step, reset_num_timesteps=False, tb_log_name=name)
+    gap = validation.gap(model)
+    model.logger.record("validation/gap", gap)
+    model.logger.dump(model.num_timesteps)
+    evaluations = before.evaluations + native.planner_runs - spent
+    better = before.lowest is None or gap < before.lowest
+    return replace(
+        before,
+        leg=leg,
+        evaluations=evaluations,
+        validation_runs=before.validation_runs + validation.runs - judged,
+        seconds=round(before.seconds + time.perf_counter() - begun, 1),
+        history=[*before.history, [evaluations, round(gap, 6)]],
+        best=leg if better else before.best,
+    )
 
 
-def _learn(model: Any, arguments: Arguments) -> None:
-    with progress(f"training {arguments.algorithm} on {arguments.env}", arguments.evaluations) as advance:
+def _unit(model: Any, episode: int) -> int:
+    """Return the fewest steps of all slots that are whole updates of the networks and whole episodes."""
+    if hasattr(model, "n_delta"):  # ARS: every candidate plays whole episodes, in one slot
+        return int(2 * model.n_delta * model.n_eval_episodes * episode)
+    if hasattr(model, "train_freq"):
+        return math.lcm(getattr(model.train_freq, "frequency", model.train_freq), episode) * int(model.n_envs)
+    return math.lcm(model.n_steps, episode) * int(model.n_envs)
 
-        def after_step(*_: Any) -> bool:
-            advance(model.n_envs)
-            return True
 
-        model.learn(arguments.evaluations, callback=after_step)
+def _titled(title: str, standing: Standing) -> str:
+    if not standing.history:
+        return title
+    return f"{title}: validation gap {standing.history[-1][1]:.3f}, at best {standing.lowest:.3f}"
 
 
-def _save(model: Any, out: Path, card: dict[str, Any]) -> None:
-    """Write both files under other names first: a crash leaves the old pair or the new one."""
-    out.parent.mkdir(parents=True, exist_ok=True)
-    model.save(out.with_name(out.name + ".part.zip"))
-    part = out.with_name(out.name + ".part.json")
-    part.write_text(json.dumps(card, indent=2) + "\n", encoding="utf-8")
-    os.replace(out.with_name(out.name + ".part.zip"), out.with_name(out.name + ".zip"))
-    os.replace(part, out.with_name(out.name + ".json"))
+def _facts(
+    learner: Learner, arguments: Arguments, standing: Standing, asked: dict[str, Any]
+) -> dict[str, Any]:
+    regime, by_rules = learner.entry.regime, arguments.start_by_rules
+    rules = load_suite(learner.kwargs.get("suite", learner.entry.kwargs["suite"]), "train").rules
+    bees, names = are_bees(rules), parameter_names(rules[0])
+    features = control_table(bees, names) if regime == "Control" else task_table(bees)
+    return {
+        "regime": regime,
+        "window": learner.kwargs.get("window", 5) if regime == "Trials" else 0,
+        "features": [feature.name for feature in features],
+        "parameters": list(names),
+        "action": learner.how,
+        "start": learner.start,
+        "start_evaluations": StaticSettings.load(by_rules).evaluations if by_rules else 0,
+        "env": arguments.env,
+        "arguments": dict(learner.kwargs),
+        "evaluations": standing.evaluations,
+        "validation_runs": standing.validation_runs,
+        "validation_gap": standing.lowest,
+        "seconds": standing.seconds,
+        "seed": arguments.seed,
+        "settings": {**learner.settings, "asked": asked},
+        "versions": {name: version(name) for name in LIBRARIES},
+        "history": standing.history,
+    }
+
+
+def _short(card: Any) -> dict[str, Any]:
+    names = (
+        "algorithm",
+        "env",
+        "regime",
+        "seed",
+        "evaluations",
+        "validation_runs",
+        "validation_gap",
+        "seconds",
+    )
+    return {**{name: getattr(card, name) for name in names}, "history": card.history}
+
+
+def script() -> None:
+    """Run the command line."""
+    told = train(parse(Arguments, None, "python -m experiments.train"))
+    if "finished" in told:
+        print(f"{told['finished']} is finished; nothing to do")
+    print(json.dumps(told))
 
 
 if __name__ == "__main__":
-    from antgym.console import main
-
-    main(lambda: print(json.dumps(train(tyro.cli(Arguments)), indent=2)))
+    main(script, interrupted=RESUMES)

@@ -26,7 +26,7 @@ from antgym.planners.colony import plan_many
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.ledger import Ledger
 from antgym.tuning.problem import FRESH, TuningProblem
-from experiments.artefacts import derived_seed, trained_argument
+from experiments.artefacts import TRAINED, derived_seed, trained_argument
 from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
@@ -92,12 +92,12 @@ def find_agent(name: str, folder: Path | None) -> Agent:
     card = agents.find_card(name)
     if not card.trained:
         return agents.make(name)
-    here = folder or Path("out/trained")
-    argument = trained_argument(name, here)
+    here = folder or TRAINED
+    argument = trained_argument(name, folder)
     path = next(iter(argument.values()))
-    if folder is None or not path.exists():
+    if (folder is None and path.parent == here) or not path.exists():
         make = f"experiments.train PPO --out {path.with_suffix('')}"
-        if path.name != "policy.json":
+        if name.partition(":")[0] != "rl":
             make = f"experiments.artefacts {name} --out {here}"
         problem = f"{path} is not there" if folder else "--artefacts FOLDER is missing"
         raise ParameterError(
@@ -161,7 +161,7 @@ def summary(arguments: Arguments, gaps: list[float]) -> str:
 
 def _config(problem: TuningProblem, arguments: Arguments) -> dict[str, Any]:
     """Return what decides a trial; a folder goes on only with the same."""
-    paths = trained_argument(arguments.agent, arguments.artefacts or Path()).values()
+    paths = trained_argument(arguments.agent, arguments.artefacts).values()
     learnt = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in paths}
     effort = {"rules": problem.rules, "ants": problem.ants, "iterations": problem.iterations}
     asked = {name: getattr(arguments, name) for name in ("agent", "budget", "seed")}

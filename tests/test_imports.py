@@ -16,6 +16,7 @@ ROOT = Path(antgym.__file__).parent
 FILES = sorted(path.relative_to(ROOT) for path in ROOT.rglob("*.py"))
 LAYERS = ("kernels", "maps", "planners", "tuning", "envs")
 HEAVY = ("torch", "optuna", "matplotlib", "pymoo", "stable_baselines3", "numba", "scipy")
+TORCH = (Path("envs/sb3.py"), Path("envs/extractors.py"))
 
 
 def imports(file):
@@ -54,7 +55,7 @@ def test_importing_antgym_registers_every_environment():
 
 @pytest.mark.parametrize("file", FILES, ids=str)
 def test_the_package_imports_neither_agents_nor_their_libraries(file):
-    allowed = {"stable_baselines3", "torch"} if file == Path("envs/sb3.py") else set()
+    allowed = {"stable_baselines3", "torch"} if file in TORCH else set()
     roots = {module.split(".")[0] for module in imports(file)}
     assert not roots & (
         {"agents", "experiments", "tests", "torch", "optuna", "pymoo", "stable_baselines3"} - allowed

@@ -17,12 +17,12 @@ from antgym.errors import ParameterError, nearest
 from antgym.maps.features import Feature
 from antgym.maps.occupancy import picture_shape
 from antgym.maps.suites import SPLITS, SuiteItem
+from antgym.tuning.actions import settings_of
 from antgym.tuning.features import DISC_TASK_FEATURES, TASK_FEATURES, task_table
 from antgym.tuning.observation import bounds
 from antgym.tuning.session import Session
 from antgym.tuning.sessions import Account
 
-GRID = 2.0**24
 OBSERVATIONS = ("features", "map", "map2d", "map3d")
 Step = tuple[Observation, float, bool, bool, dict[str, Any]]
 
@@ -116,6 +116,11 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return bool(self._episodes.over(self._rows)[0])
 
     @property
+    def task_features(self) -> tuple[Feature, ...]:
+        """The table of the task's features, with which the vectors shown begin."""
+        return task_table(self._terms.problems.discs)
+
+    @property
     def planner_runs(self) -> int:
         """Planner runs by this environment so far, fresh ones included."""
         return int(self._episodes.planner_runs[self._row])
@@ -173,10 +178,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
 
 def settings(space: gymnasium.Space[Any], actions: ArrayLike) -> NDArray[np.float64]:
-    """Return what actions ask of the planner, a (d,) setting each; ParameterError on one that is none.
-
-    Settings lie on a grid of 2^-24, which float32 holds: what an observation shows of one can be proposed again.
-    """
+    """Return what actions ask of the planner, a (d,) setting each; ParameterError on one that is none."""
     try:
         values = np.asarray(actions, dtype=np.float64)
     except (TypeError, ValueError):
@@ -185,7 +187,7 @@ def settings(space: gymnasium.Space[Any], actions: ArrayLike) -> NDArray[np.floa
     if not (fits and (np.abs(values) <= 1).all()):
         bad = values[~(np.abs(values) <= 1).all(axis=1)] if fits else values
         raise ParameterError(f"action {bad[0].tolist()} is no point of {space}")
-    return np.round((values + 1) * GRID / 2) / GRID
+    return settings_of(values)
 
 
 def _with_map(features: gymnasium.spaces.Box, flat: bool | None) -> Any:

@@ -115,6 +115,9 @@ class ControlEnv(TuningEnv):
 
     {bee_actions}
 
+    Under stable-baselines3 `antgym.envs.sb3.ChangingVecEnv` makes the actions factorised changes of the last block's
+    setting: per parameter −1/4, −1/8, 0, 1/8 or 1/4 of its range, which is about /4, /2, keep, ·2, ·4 for α and β.
+
     ## Observation Space
     `Box(float32)`: the features of the task, then the state of the run, then the setting of the last block; nothing in
     them depends on the optimum. Before the first block the run shows what an untouched one would.

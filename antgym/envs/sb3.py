@@ -1,4 +1,4 @@
-"""stable-baselines3: the native batch as its VecEnv, and convolutions over maps; no other module has torch."""
+"""stable-baselines3: the native batch as its VecEnv, and what is put around it."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -9,16 +9,26 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from antgym.envs.catalogue import CATALOGUE
+from antgym.envs.control import ControlEnv
 from antgym.envs.episodes import Observation
+from antgym.envs.extractors import FeatureExtractor, MapExtractor
 from antgym.envs.vector import NativeVectorEnv, env_seeds
 from antgym.errors import MissingExtraError, ParameterError, nearest
+from antgym.tuning.actions import Change, Start, changed, choices, start_of
 
 try:
-    import torch
-    from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
-    from stable_baselines3.common.vec_env import VecEnv
+    from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 except ImportError:
     raise MissingExtraError("stable-baselines3", "rl") from None
+
+__all__ = [
+    "ChangingVecEnv",
+    "FeatureExtractor",
+    "MapExtractor",
+    "NativeVecEnv",
+    "ScaledRewards",
+    "make_sb3_vec",
+]
 
 
 class NativeVecEnv(VecEnv):
@@ -144,35 +154,79 @@ def make_sb3_vec(env_id: str, n: int, seed: int | None = None, **kwargs: Any) ->
     return NativeVecEnv(native, seed)
 
 
-class MapExtractor(BaseFeaturesExtractor):
-    """Convolutions over the map, beside the features; ``MultiInputPolicy`` alone would flatten a map of floats.
-
-    Use it by ``policy_kwargs={"features_extractor_class": MapExtractor}``.
+class ChangingVecEnv(VecEnvWrapper):
+    """Control by factorised changes: an action moves the last block's setting and does not set it anew.
 
     Args:
-        observation_space: of an environment with ``observation="map"``, ``"map2d"`` or ``"map3d"``.
-        width: numbers that the map is turned into; the features follow them.
+        envs: a batch of Control.
+        how: ``"each"``: `MultiDiscrete`, a change of ``CHANGES`` a parameter; ``"one"``: `Discrete`, a change of one
+            parameter or none, for DQN and its like.
+        start: (d,) setting in [0, 1] that the first action of a run changes, or one by the name of its rules; by
+            default the published one. The observation shows it as the setting of the last block.
     """
 
-    def __init__(self, observation_space: gymnasium.spaces.Dict, width: int = 64) -> None:
-        spaces = getattr(observation_space, "spaces", {})
-        if set(spaces) != {"features", "map"}:
-            raise ParameterError(
-                'MapExtractor: no map is observed; make the environment with observation="map"'
-            )
-        super().__init__(observation_space, width + spaces["features"].shape[0])
-        channels, *sides = spaces["map"].shape
-        convolution = torch.nn.Conv2d if len(sides) == 2 else torch.nn.Conv3d
-        layers: list[torch.nn.Module] = []
-        for filters in (8, 16, 32):  # each halves the sides
-            layers += [convolution(channels, filters, 3, stride=2, padding=1), torch.nn.ReLU()]
-            channels, sides = filters, [(side + 1) // 2 for side in sides]
-        whole = torch.nn.Linear(channels * int(np.prod(sides)), width)
-        self.picture = torch.nn.Sequential(*layers, torch.nn.Flatten(), whole, torch.nn.ReLU())
+    def __init__(self, envs: NativeVecEnv, how: Change, start: Start | None = None) -> None:
+        if not isinstance(envs.native.envs[0], ControlEnv):
+            raise ParameterError("settings are changed block by block in Control alone")
+        (dimension,) = envs.action_space.shape
+        counts = choices(how, dimension)
+        spaces = gymnasium.spaces
+        space: Any = spaces.MultiDiscrete(list(counts)) if how == "each" else spaces.Discrete(counts[0])
+        super().__init__(envs, action_space=space)
+        self.how, self.start = how, start
+        for one in start.values() if isinstance(start, Mapping) else [] if start is None else [start]:
+            units = np.asarray(one, dtype=np.float64)
+            if units.shape != (dimension,) or not ((units >= 0) & (units <= 1)).all():
+                raise ParameterError(f"start = {one!r}: needs {dimension} values from 0 to 1")
+        self._units = np.zeros((self.num_envs, dimension))
+        self._described = len(envs.native.envs[0].task_features)
 
-    def forward(self, observations: dict[str, torch.Tensor]) -> torch.Tensor:
-        """Return (n, width + features) numbers of n observations."""
-        return torch.cat([self.picture(observations["map"]), observations["features"]], dim=1)
+    def reset(self) -> Observation:
+        """Begin an episode in every slot."""
+        shown: Observation = self.venv.reset()
+        return self._begin(np.ones(self.num_envs, bool), shown)
+
+    def step_async(self, actions: NDArray[np.int64]) -> None:
+        """Change the settings."""
+        self._units = changed(self._units, actions, self.how)
+        self.venv.step_async((2 * self._units - 1).astype(np.float32))
+
+    def step_wait(self) -> Any:
+        """Step the batch."""
+        shown, rewards, ends, infos = self.venv.step_wait()
+        return self._begin(ends, shown), rewards, ends, infos
+
+    def _begin(self, slots: NDArray[np.bool_], shown: Observation) -> Observation:
+        """Go back to the start in some slots, and show it."""
+        features = shown["features"] if isinstance(shown, dict) else shown
+        dimension = self._units.shape[1]
+        for i in np.flatnonzero(slots):
+            self._units[i] = start_of(self.start, features[i, : self._described], dimension)
+        features[slots, -dimension:] = self._units[slots]
+        return shown
+
+
+class ScaledRewards(VecEnvWrapper):
+    """Rewards times a constant; what learners with a temperature or a value loss are tuned for is about ±1.
+
+    Args:
+        envs: a batch.
+        scale: the constant.
+    """
+
+    def __init__(self, envs: VecEnv, scale: float) -> None:
+        super().__init__(envs)
+        self.scale = scale
+
+    def reset(self) -> Observation:
+        """Begin an episode in every slot."""
+        shown: Observation = self.venv.reset()
+        return shown
+
+    def step_wait(self) -> Any:
+        """Step the batch."""
+        shown, rewards, ends, infos = self.venv.step_wait()
+        return shown, rewards * np.float32(self.scale), ends, infos
 
 
 def _split(batch: dict[str, Any], count: int) -> list[dict[str, Any]]:

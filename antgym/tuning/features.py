@@ -55,7 +55,8 @@ def _rule_features(names: Sequence[str]) -> tuple[Feature, ...]:
     )
 
 
-TASK_FEATURES: tuple[Feature, ...] = (*FEATURES, *EFFORT_FEATURES, *_rule_features(RULES_SHOWN))
+RULE_FEATURES = _rule_features(RULES_SHOWN)
+TASK_FEATURES: tuple[Feature, ...] = (*FEATURES, *EFFORT_FEATURES, *RULE_FEATURES)
 DISC_TASK_FEATURES: tuple[Feature, ...] = (
     *DISC_FEATURES,
     *EFFORT_FEATURES,

@@ -1,12 +1,12 @@
 """Dynamic headroom: what changing the parameters within a run could add to the best static setting."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.steering import Schedule
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
-from antgym.planners.planning import are_bees
 from antgym.planners.swarms import start
 from antgym.planners.threads import run_ranges
 from antgym.tuning.problem import TuningProblem
@@ -17,26 +17,6 @@ Floats = NDArray[np.float64]
 FACTORS = (0.25, 0.5, 2.0, 4.0)
 SWITCHES = (2, 5, 8)  # blocks before the change
 RUNS = 8
-STEERED = ("alpha", "beta"), ("limit", "xi_max")  # of ants and of bees; whose ξ_min follows ξ_max
-
-
-class Schedule(NamedTuple):
-    """Two settings, one before and one after some blocks: two parameters of the static one times a factor each.
-
-    Attributes:
-        first: factors of α, or of the bees' limit, before and after.
-        second: of β, or of their ξ.
-        switch: blocks before the change.
-    """
-
-    first: tuple[float, float]
-    second: tuple[float, float]
-    switch: int
-
-    def label(self, names: tuple[str, str]) -> str:
-        """Return how the card names it."""
-        first, second = names
-        return f"{first} x {self.first}, {second} x {self.second}, change after block {self.switch}"
 
 
 def family() -> list[Schedule]:
@@ -68,7 +48,7 @@ def dynamic(
     scored = _gaps(chosen[1], [schedules[0], best], static, advance).mean(axis=2)
     value, low, high = headroom(scored[:, 0], scored[:, 1])
     return {
-        "schedule": best.label(STEERED[are_bees(train[0].rules)]),
+        "schedule": best.label(train[0].space.names),
         "headroom": [round(v, 4) for v in (value, low, high)],
         "static gap": round(float(scored[:, 0].mean()), 4),
         "maps": len(chosen[1]),
@@ -102,9 +82,8 @@ def _run(problem: TuningProblem, schedule: Schedule, static: Floats, seed: int) 
     values, low, high = space.decode([static, np.zeros(len(space)), np.ones(len(space))])
     switch = problem.iterations * schedule.switch // BLOCKS
     for part, iterations in enumerate((switch, problem.iterations - switch)):
-        by = {"alpha": schedule.first, "beta": schedule.second, "limit": schedule.first}
-        by |= dict.fromkeys(("xi_max", "xi_min"), schedule.second)
-        factors = np.array([by[name][part] if name in by else 1.0 for name in space.names])
+        factors = np.ones(len(space))
+        factors[:2] = schedule.first[part], schedule.second[part]
         if iterations:
             swarm.advance(np.clip(values * factors, low, high), iterations)
     return swarm.result().length

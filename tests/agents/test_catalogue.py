@@ -179,6 +179,16 @@ def test_an_unknown_agent_names_the_nearest():
         agents.make("optuna_tp")
 
 
+def test_a_trained_agent_may_have_a_file_of_its_own_name():
+    assert agents.find_card("rl:seed-3") == agents.find_card("rl")._replace(name="rl:seed-3")
+
+
+@pytest.mark.parametrize("name", ["rl:", "ga:x", "r:x"])
+def test_others_have_none(name):
+    with pytest.raises(ParameterError, match=f"unknown agent '{name}'"):
+        agents.find_card(name)
+
+
 def test_an_unknown_argument_names_the_nearest():
     with pytest.raises(ParameterError, match="did you mean 'rerun_share'"):
         agents.make("random_search", rerun=0.1)
@@ -212,6 +222,19 @@ def test_experience_beats_the_default_without_a_trial(name, experience, bowl):
 def test_a_trained_agent_without_its_artefact_says_what_it_needs(name, argument):
     with pytest.raises(ParameterError, match=f"needs {argument}="):
         agents.make(name)
+
+
+def test_a_policy_without_safetensors_says_how_to_mend_it(tmp_path, monkeypatch):
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    export(blank_model(), tmp_path / "p")
+    monkeypatch.setitem(sys.modules, "safetensors.torch", None)
+    with pytest.raises(MissingExtraError, match=r"safetensors is not .*antgym\[rl\]"):
+        agents.make("rl", path=tmp_path / "p")
 
 
 def test_versions_name_every_library_behind_an_agent():

@@ -11,10 +11,12 @@ import antgym.tuning
 FILES = sorted(Path(agents.__file__).parent.glob("*.py"))
 LIBRARIES = {
     "cmaes",
+    "gymnasium",
     "matplotlib",
     "numpy",
     "optuna",
     "pymoo",
+    "safetensors",
     "scipy",
     "sklearn",
     "stable_baselines3",

@@ -1,89 +1,134 @@
-"""Frozen policies: loaded from stable-baselines3's zip with a card beside it, asked once, paid nothing."""
+"""Published policies as agents: asked once in OneShot, trial by trial in Trials, shown what the environment shows."""
 
-import json
 from dataclasses import replace
 
 import gymnasium
 import numpy as np
 import pytest
 
+pytest.importorskip("sb3_contrib", reason="needs the extra rl")
+pytest.importorskip("safetensors", reason="needs the extra rl")
+
+from blank_models import SIZE, blank_model
+
+import agents
+import agents.policy
+from agents.networks import export
 from agents.policy import PolicyAgent
 from antgym.errors import ParameterError
-from antgym.tuning import Session, observe, observe_with_map, tune
+from antgym.tuning import Session, incumbent, observe, observe_with_map, settings_of, tune
+from antgym.tuning.observation import bounds
 from antgym.tuning.problem import TuningProblem
 
-
-@pytest.fixture
-def checkpoint(tmp_path, bowl):
-    """An untrained policy of the right shapes, saved as training would save it."""
-    sb3, gym = pytest.importorskip("stable_baselines3"), pytest.importorskip("gymnasium")
-    features = bowl(1).task.features
-
-    class Blank(gym.Env):
-        observation_space = gym.spaces.Box(-1, 1, features.shape, np.float32)
-        action_space = gym.spaces.Box(-1, 1, (4,), np.float32)
-
-        def reset(self, *, seed=None, options=None):
-            return features, {}
-
-        def step(self, action):
-            return features, 0.0, True, False, {}
-
-    model = sb3.TD3(
-        "MlpPolicy", Blank(), seed=0, device="cpu", buffer_size=10, policy_kwargs={"net_arch": [8]}
-    )
-    model.save(tmp_path / "policy.zip")
-    (tmp_path / "policy.json").write_text(json.dumps({"algorithm": "TD3", "env": "blank", "evaluations": 0}))
-    return tmp_path / "policy.zip", model
+WINDOW = 3
+TRIALS = len(bounds(4, window=WINDOW)[0])
 
 
-def test_a_policy_recommends_its_deterministic_action_and_runs_nothing(checkpoint, bowl):
-    path, model = checkpoint
-    session = bowl(5)
-    result = tune(PolicyAgent(path), session, seed=0)
+def test_a_policy_recommends_its_deterministic_action_and_runs_nothing(tmp_path, bowl):
+    model, session = blank_model("TD3"), bowl(5)
+    export(model, tmp_path / "p")
+    result = tune(PolicyAgent(tmp_path / "p.safetensors"), session, seed=0)
     action, _ = model.predict(observe(session.task), deterministic=True)
     np.testing.assert_allclose(result.recommendation, (action + 1) / 2, atol=1e-6)
     assert session.left == 5
 
 
-@pytest.mark.parametrize("kind", ["map2d", "map3d"])
-def test_a_policy_trained_on_maps_looks_at_the_map(tmp_path, valley, kind):
-    sb3 = pytest.importorskip("stable_baselines3")
-    env = gymnasium.make("antgym/MountainOneShot-v0", observation=kind)
-    model = sb3.PPO("MultiInputPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [8]})
-    model.save(tmp_path / "policy.zip")
-    (tmp_path / "policy.json").write_text(json.dumps({"algorithm": "PPO"}))
-    session = Session(TuningProblem(valley), 1)
-    result = tune(PolicyAgent(tmp_path / "policy"), session, seed=0)
-    seen = observe_with_map(session.task, flat=kind == "map2d")
-    action, _ = model.predict(seen, deterministic=True)
-    np.testing.assert_allclose(result.recommendation, (action + 1) / 2, atol=1e-6)
+@pytest.mark.parametrize(("kind", "picture"), [("map2d", (3, 32, 32)), ("map3d", (3, 16, 16, 16))])
+def test_a_policy_trained_on_maps_looks_at_the_map(tmp_path, valley, kind, picture):
+    model, session = blank_model(picture=picture), Session(TuningProblem(valley), 1)
+    export(model, tmp_path / "p")
+    result = tune(PolicyAgent(tmp_path / "p"), session, seed=0)
+    action, _ = model.predict(observe_with_map(session.task, flat=kind == "map2d"), deterministic=True)
+    np.testing.assert_allclose(result.recommendation, np.clip((action + 1) / 2, 0, 1), atol=1e-6)
 
 
-def test_a_policy_trained_on_another_observation_is_refused(checkpoint, bowl):
-    session = bowl(5)
-    task = replace(session.task, features=np.zeros(3, np.float32))
-    with pytest.raises(ParameterError, match=r"takes observations of shape .*, the task's is \(3,\)"):
-        PolicyAgent(checkpoint[0]).reset(task, seed=0)
+@pytest.mark.parametrize("algorithm", ["PPO", "RecurrentPPO"])
+@pytest.mark.parametrize("kind", ["features", "map"])
+def test_a_policy_of_trials_sees_what_the_environment_shows_and_pays_for_the_same_trials(
+    tmp_path, algorithm, kind
+):
+    """Observation by observation, action by action; the recommendation is the setting that the last reward judged."""
+    picture = (3, 16, 16, 16) if kind == "map" else None
+    model = blank_model(algorithm, size=TRIALS, picture=picture)
+    export(model, tmp_path / "p", regime="Trials", window=WINDOW)
+    env = gymnasium.make("antgym/MountainTrials-v0", budget=6, window=WINDOW, effort=[3, 5], observation=kind)
+    seen, _ = env.reset(seed=0, options={"scenario": 2})
+    problem = env.unwrapped._episodes.problem(0)
+    agent, session = PolicyAgent(tmp_path / "p"), Session(problem, 6)
+    agent.reset(session.task, seed=0)
+    over = False
+    while not over:
+        ours = agent._observe()
+        for one, other in [(ours[k], seen[k]) for k in seen] if picture else [(ours, seen)]:
+            assert one.tolist() == other.tolist()
+        asked = agent.ask()
+        seen, _, over, _, info = env.step((2 * asked[0] - 1).astype(np.float32))
+        agent.tell(session.evaluate(asked))
+        assert session.trials[-1] == env.unwrapped.session.trials[-1]
+    assert session.left == 0
+    natural = problem.space.decode(agent.recommend())[0]
+    assert natural.tolist() == pytest.approx(list(info["parameters"].values()))
+    assert tuple(agent.recommend()) == incumbent(session.trials)[0]
+
+
+def test_a_policy_of_trials_proposes_what_its_network_says(tmp_path, bowl):
+    model = blank_model(size=TRIALS)
+    export(model, tmp_path / "p", regime="Trials", window=WINDOW)
+    session = bowl(4)
+    tune(PolicyAgent(tmp_path / "p"), session, seed=0)
+    action, _ = model.predict(observe(session.task, session.trials[:2], window=WINDOW), deterministic=True)
+    np.testing.assert_allclose(session.trials[2].unit, settings_of(action), atol=1e-6)
+    assert session.left == 0
+
+
+def test_a_policy_of_trials_begins_anew_on_every_task(tmp_path, bowl):
+    export(blank_model("RecurrentPPO", size=TRIALS), tmp_path / "p", regime="Trials", window=WINDOW)
+    agent = PolicyAgent(tmp_path / "p")
+    first, again = (tune(agent, bowl(3), seed=0) for _ in range(2))
+    assert first.trials == again.trials
 
 
 @pytest.mark.parametrize(
-    ("card", "reason"),
+    ("facts", "change", "message"),
     [
-        (None, "no such file"),
-        ("{", "no JSON"),
-        ("[]", "unknown"),
-        ('{"algorithm": "TD4"}', "did you mean 'TD3'"),
+        (
+            {},
+            {"features": np.zeros(3, np.float32)},
+            r"takes observations of shape \(58,\), the task's is \(3,\)",
+        ),
+        ({"regime": "Trials", "window": 1}, {}, r"takes observations of shape \(58,\)"),
+        ({"regime": "Trials"}, {"budget": 0}, "picks trials, but the task's budget is 0"),
+        ({"parameters": ["alpha", "beta", "rho", "q0"]}, {}, "picks .*q0"),
     ],
 )
-def test_a_card_that_cannot_be_used_says_why(card, reason, tmp_path):
-    if card is not None:
-        (tmp_path / "policy.json").write_text(card)
-    with pytest.raises(ParameterError, match=rf"policy\.json: .*{reason}"):
-        PolicyAgent(tmp_path / "policy.zip")
+def test_a_task_that_a_policy_was_not_trained_for_is_refused(tmp_path, bowl, facts, change, message):
+    export(blank_model(size=SIZE), tmp_path / "p", **facts)
+    agent, session = PolicyAgent(tmp_path / "p"), bowl(5)
+    session.task = replace(session.task, **change)
+    with pytest.raises(ParameterError, match=message):
+        tune(agent, session, seed=0)
 
 
-def test_a_card_without_its_checkpoint_is_refused(tmp_path):
-    (tmp_path / "policy.json").write_text('{"algorithm": "TD3"}')
-    with pytest.raises(ParameterError, match=r"policy\.zip: no such checkpoint"):
-        PolicyAgent(tmp_path / "policy")
+def test_a_policy_that_steers_is_no_agent(tmp_path):
+    export(blank_model(size=71, action="each"), tmp_path / "p", regime="Control")
+    with pytest.raises(ParameterError, match="steers a run"):
+        PolicyAgent(tmp_path / "p")
+
+
+def test_without_a_shipped_policy_rl_asks_for_a_path(tmp_path, monkeypatch):
+    monkeypatch.setattr(agents.policy, "SHIPPED", tmp_path)
+    with pytest.raises(ParameterError, match="agent 'rl' needs path="):
+        agents.make("rl")
+
+
+def test_a_shipped_policy_needs_no_path(tmp_path, monkeypatch, bowl):
+    monkeypatch.setattr(agents.policy, "SHIPPED", tmp_path)
+    export(blank_model(), tmp_path / "open-one-shot", env="antgym/OpenOneShot-v0")
+    export(blank_model(seed=1), tmp_path / "room-one-shot", env="antgym/RoomOneShot-v0")
+    flagship, other = (
+        tune(agents.make("rl", **named), bowl(1), seed=0).recommendation
+        for named in ({}, {"policy": "room-one-shot"})
+    )
+    assert flagship.tolist() != other.tolist()
+    with pytest.raises(ParameterError, match="'rom-one-shot' is shipped; did you mean 'room-one-shot'"):
+        agents.make("rl", policy="rom-one-shot")

@@ -9,7 +9,7 @@ pytest.importorskip("stable_baselines3", reason="needs the extra rl")
 import torch
 from stable_baselines3 import PPO
 
-from antgym.envs.sb3 import MapExtractor, make_sb3_vec
+from antgym.envs.sb3 import ChangingVecEnv, FeatureExtractor, MapExtractor, ScaledRewards, make_sb3_vec
 from antgym.envs.vector import env_seeds
 from antgym.errors import ParameterError
 
@@ -194,3 +194,60 @@ def test_ppo_learns_through_convolutions_over_the_map(kind, layer):
 def test_convolutions_want_a_map(envs):
     with pytest.raises(ParameterError, match="no map is observed"):
         MapExtractor(envs.observation_space)
+
+
+@pytest.mark.parametrize(("how", "keep"), [("each", [[2, 2, 2, 2]] * N), ("one", [0] * N)])
+def test_keeping_everything_steers_as_the_start_throughout(how, keep):
+    """Factorised changes are another face of the same runs, and what is shown at first is where they begin."""
+    start, effort = [0.25, 0.75, 0.5, 0.375], {"effort": [3, 40]}
+    ours = ChangingVecEnv(make_sb3_vec("antgym/MountainControl-v0", N, seed=1, **effort), how, start)
+    plain = make_sb3_vec("antgym/MountainControl-v0", N, seed=1, **effort)
+    shown, _ = ours.reset(), plain.reset()
+    assert shown[:, -4:].tolist() == [start] * N
+    for block in range(10):
+        shown, rewards, ends, infos = ours.step(np.array(keep))
+        theirs = plain.step(np.tile(2 * np.float32(start) - 1, (N, 1)))
+        assert rewards.tolist() == theirs[1].tolist()
+        assert [info["gap"] for info in infos] == [info["gap"] for info in theirs[3]]
+        assert ends.tolist() == [block == 9] * N
+    assert shown[:, -4:].tolist() == [start] * N, "the next run begins there again"
+
+
+def test_a_change_moves_the_last_blocks_setting():
+    ours = ChangingVecEnv(make_sb3_vec("antgym/MountainControl-v0", N, seed=1, effort=[3, 40]), "each")
+    ours.reset()
+    assert ours.step(np.array([[0, 1, 2, 4]] * N))[0][0, -4:].tolist() == [0.25, 0.375, 0.5, 0.75]
+    assert ours.step(np.array([[4, 4, 4, 4]] * N))[0][0, -4:].tolist() == [0.5, 0.625, 0.75, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("env_id", "start", "message"),
+    [(ID, None, "in Control alone"), ("antgym/MountainControl-v0", [0.5, 2.0], "needs 4 values from 0 to 1")],
+)
+def test_changes_that_make_no_sense_are_refused(env_id, start, message):
+    with pytest.raises(ParameterError, match=message):
+        ChangingVecEnv(make_sb3_vec(env_id, N), "each", start)
+
+
+def test_scaled_rewards_are_rewards_times_a_constant(envs):
+    scaled = ScaledRewards(make_sb3_vec(ID, N, seed=4, **EFFORT), 3.0)
+    assert (envs.reset() == scaled.reset()).all()
+    actions = np.zeros((N, 4), np.float32)
+    np.testing.assert_allclose(scaled.step(actions)[1], 3 * envs.step(actions)[1])
+
+
+def test_features_are_standardised_and_held_within_five_deviations(envs):
+    size = envs.observation_space.shape[0]
+    extractor = FeatureExtractor(envs.observation_space, [0.5] * size, [0.25] * (size - 1) + [1e-3])
+    out = extractor(torch.zeros(2, size))
+    assert out[0].tolist() == [-2.0] * (size - 1) + [-5.0]
+    assert set(extractor.state_dict()) == {"mean", "deviation"}
+
+
+def test_changes_may_begin_from_a_setting_by_rules():
+    envs = make_sb3_vec("antgym/OpenControl-v0", 6, seed=1, effort=[2, 40])
+    starts = {"max_min": [0.25] * 4, "elitist": [0.75] * 4}
+    shown, infos = (ours := ChangingVecEnv(envs, "each", starts)).reset(), ours.venv.reset_infos
+    for row, info in zip(shown, infos, strict=True):
+        assert row[-4:].tolist() == starts.get(info["rules"], [0.5] * 4)
+    assert len({info["rules"] for info in infos}) > 1

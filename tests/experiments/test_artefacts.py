@@ -1,8 +1,12 @@
 """What trained agents need is made once, for the agents that are there, and found again."""
 
-from agents.static import StaticByRules, StaticSettings
+import pytest
+
+from agents.static import StaticByRules, StaticSetting, StaticSettings
+from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from experiments.artefacts import prepare, problem, trained_argument
+from experiments.contest import enter
 from experiments.presets import PRESETS
 
 TINY = PRESETS["smoke"]._replace(race_maps=2, race_settings=4)
@@ -21,3 +25,17 @@ def test_settings_by_rules_are_raced_once_and_recommended(tmp_path):
     agent = StaticByRules(**trained_argument(name, tmp_path))
     agent.reset(problem(items[0]).task(0), seed=0)
     assert tuple(agent.recommend()) == settings.by_rules[items[0].rules].unit
+
+
+def test_a_file_of_its_own_name_is_found_and_never_made(tmp_path):
+    for name, evaluations in (("static", 5), ("other", 7)):
+        StaticSetting((0.5,) * 4, evaluations, ("alpha", "beta", "rho", "Q")).save(tmp_path / f"{name}.json")
+    names = ["best_static", "best_static:other"]
+    assert prepare(tmp_path, "mountain-v0", TINY, names) == {"static.json": 5, "other.json": 7}
+    assert trained_argument(names[1], tmp_path) == {"setting": tmp_path / "other.json"}
+    assert [entrant.training for entrant in enter(names, tmp_path, {"static.json": 5, "other.json": 7})] == [
+        5,
+        7,
+    ]
+    with pytest.raises(ParameterError, match=r"third\.json is not there"):
+        prepare(tmp_path, "mountain-v0", TINY, ["rl:third"])

@@ -145,6 +145,20 @@ def test_a_trained_agent_without_its_file_names_the_command_that_makes_it(tmp_pa
         tune.run(arguments(tmp_path, agent="rl"))
 
 
+def test_a_policy_that_is_shipped_needs_no_folder(tmp_path, monkeypatch):
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    monkeypatch.setattr("agents.policy.SHIPPED", tmp_path / "shipped")
+    export(blank_model(), tmp_path / "shipped" / "open-one-shot")
+    for budget in (0, 2):
+        tune.run(arguments(tmp_path / str(budget), agent="rl", budget=budget))
+        assert (tmp_path / str(budget) / "way.json").exists()
+
+
 def test_a_trained_agent_tunes_from_its_folder(tmp_path):
     made = artefacts.Arguments(("neighbours", "transfer_graph"), preset="smoke", out=tmp_path / "trained")
     artefacts.make_artefacts(made)

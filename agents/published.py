@@ -1,0 +1,235 @@
+"""Published policies: NAME.json, what a policy is and how it was made, beside NAME.safetensors, its weights.
+
+Reading one runs nothing of it: the JSON is checked field by field, and weights are numbers under names.
+"""
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Callable
+from dataclasses import MISSING, asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any, Literal
+
+from antgym.errors import ParameterError
+
+FORMAT = "antgym policy 1"
+REGIMES = ("OneShot", "Trials", "Control")
+OBSERVATIONS = ("features", "map2d", "map3d")
+ACTIONS = ("setting", "each", "one")
+_LARGEST = 1 << 12  # of any size: beyond it a card is broken, not a network
+
+
+@dataclass(frozen=True)
+class PolicyCard:
+    """What a published policy is, and how it was made.
+
+    Attributes:
+        algorithm: that trained it, a name of ``agents.networks.ALGORITHMS``.
+        policy: its class, by the algorithm's own alias, as ``"MlpPolicy"``.
+        constructor: arguments of that class, those of ``agents.networks.ARGUMENTS``.
+        regime: ``"OneShot"``, ``"Trials"`` or ``"Control"``.
+        observation: ``"features"``, a vector alone, or ``"map2d"`` or ``"map3d"`` beside it.
+        size: of the vector.
+        map: shape of the map, None where there is none.
+        window: trials that the observation shows, 0 in other regimes than Trials.
+        features: names of the first entries of the vector, as far as they have some.
+        action: ``"setting"``; or what is changed of the last one, of ``"each"`` parameter or of ``"one"``.
+        parameters: that are chosen.
+        start: the setting, each value in [0, 1], that changes begin from, or one by the name of the rules; None for the
+            published default.
+        start_evaluations: planner runs that finding it spent, apart from ``evaluations``.
+        env: id of the environment it was trained in.
+        arguments: of that environment.
+        evaluations: planner runs of the training.
+        validation_runs: planner runs by which the best checkpoint was chosen, apart from those.
+        validation_gap: mean gap of that checkpoint on validation maps; None where none was measured.
+        seconds: that training took.
+        seed: of the training.
+        settings: of the algorithm.
+        versions: of the libraries.
+        history: [evaluations, validation gap] of every checkpoint.
+        sha256: of the weights' file.
+    """
+
+    algorithm: str
+    policy: str
+    constructor: dict[str, Any]
+    size: int
+    regime: str = "OneShot"
+    observation: str = "features"
+    map: list[int] | None = None
+    window: int = 0
+    features: list[str] = field(default_factory=list)
+    action: Literal["setting", "each", "one"] = "setting"
+    parameters: list[str] = field(default_factory=list)
+    start: list[float] | dict[str, list[float]] | None = None
+    start_evaluations: int = 0
+    env: str = ""
+    arguments: dict[str, Any] = field(default_factory=dict)
+    evaluations: int = 0
+    validation_runs: int = 0
+    validation_gap: float | None = None
+    seconds: float = 0.0
+    seed: int = 0
+    settings: dict[str, Any] = field(default_factory=dict)
+    versions: dict[str, str] = field(default_factory=dict)
+    history: list[list[float]] = field(default_factory=list)
+    sha256: str = ""
+
+
+def is_whole(value: Any, low: int = 0, high: int = _LARGEST) -> bool:
+    """Whether this is a whole number, and no bool, in a range."""
+    return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
+
+
+def is_number(value: Any) -> bool:
+    """Whether this is a finite number, and no bool."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _listed(value: Any, fits: Callable[[Any], bool]) -> bool:
+    return isinstance(value, list) and all(map(fits, value))
+
+
+def _is_share(value: Any) -> bool:
+    return is_number(value) and 0 <= value <= 1
+
+
+def _starts(value: Any) -> list[Any]:
+    """Return every setting that changes may begin from."""
+    return list(value.values()) if isinstance(value, dict) else [value]
+
+
+def _is_dict(value: Any) -> bool:
+    return isinstance(value, dict)
+
+
+_COUNT = (lambda value: is_whole(value, 0, 1 << 60)), "a whole number from 0 on"
+_OBJECT = _is_dict, "an object"
+_NAMES = (lambda value: _listed(value, _is_text)), "a list of names"
+_TEXT = _is_text, "text"
+_CHECKS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "algorithm": _TEXT,
+    "policy": _TEXT,
+    "constructor": _OBJECT,
+    "size": ((lambda value: is_whole(value, 1)), "a whole number from 1 on"),
+    "regime": ((lambda value: value in REGIMES), " or ".join(REGIMES)),
+    "observation": ((lambda value: value in OBSERVATIONS), " or ".join(OBSERVATIONS)),
+    "map": (
+        lambda value: (
+            value is None or (_listed(value, lambda n: is_whole(n, 1, 128)) and len(value) in (3, 4))
+        ),
+        "the three or four sides of a map, or null",
+    ),
+    "window": (is_whole, "a whole number from 0 on"),
+    "features": _NAMES,
+    "action": ((lambda value: value in ACTIONS), " or ".join(ACTIONS)),
+    "parameters": ((lambda value: _listed(value, _is_text) and 1 <= len(value) <= 64), "a list of names"),
+    "start": (
+        lambda value: value is None or all(_listed(one, _is_share) for one in _starts(value)),
+        "values from 0 to 1, such by rules, or null",
+    ),
+    "start_evaluations": _COUNT,
+    "env": _TEXT,
+    "arguments": _OBJECT,
+    "evaluations": _COUNT,
+    "validation_runs": _COUNT,
+    "validation_gap": ((lambda value: value is None or is_number(value)), "a number or null"),
+    "seconds": (is_number, "a number"),
+    "seed": ((lambda value: is_whole(value, 0, 1 << 128)), "a whole number from 0 on"),
+    "settings": _OBJECT,
+    "versions": (
+        lambda value: isinstance(value, dict) and all(map(_is_text, value.values())),
+        "an object of texts",
+    ),
+    "history": ((lambda value: _listed(value, lambda row: _listed(row, is_number))), "a list of numbers"),
+    "sha256": _TEXT,
+}
+"""By field: what its value has to be, and how that is said."""
+
+
+def stem_of(path: str | Path) -> Path:
+    """Return NAME of NAME, NAME.json or NAME.safetensors."""
+    return Path(str(path).removesuffix(".safetensors").removesuffix(".json"))
+
+
+def beside(stem: Path, suffix: str) -> Path:
+    """Return the file NAME plus a suffix; a name may have dots of its own."""
+    return stem.with_name(stem.name + suffix)
+
+
+def read_card(path: str | Path) -> PolicyCard:
+    """Return the card of a published policy.
+
+    Raises:
+        ParameterError: where the file is missing or is no JSON object of this format; on a wrong field, by name.
+    """
+    file = beside(stem_of(path), ".json")
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ParameterError(f"{file}: no such policy") from None
+    except OSError as error:
+        raise ParameterError(f"{file}: cannot be read ({error.strerror})") from None
+    except (ValueError, RecursionError) as error:
+        raise ParameterError(f"{file}: no JSON ({error})") from None
+    if not isinstance(content, dict) or content.pop("format", None) != FORMAT:
+        raise ParameterError(f"{file}: field 'format' is not {FORMAT!r}; export the policy anew")
+    known = {each.name: each for each in fields(PolicyCard)}
+    for name in content:
+        if name not in known:
+            raise ParameterError(f"{file}: unknown field {name!r}")
+    for name, each in known.items():
+        if name not in content and each.default is MISSING and each.default_factory is MISSING:
+            raise ParameterError(f"{file}: field {name!r} is missing")
+    card = PolicyCard(**content)
+    _check(file, card)
+    return card
+
+
+def _check(file: Path, card: PolicyCard) -> None:
+    for name, (fits, wanted) in _CHECKS.items():
+        value = getattr(card, name)
+        if not fits(value):
+            raise ParameterError(f"{file}: field {name!r} = {value!r:.80}: has to be {wanted}")
+    sides = {"features": None, "map2d": 3, "map3d": 4}[card.observation]
+    if (None if card.map is None else len(card.map)) != sides:
+        raise ParameterError(
+            f"{file}: field 'map' = {card.map} does not fit observation {card.observation!r}"
+        )
+    if card.start is not None and any(len(one) != len(card.parameters) for one in _starts(card.start)):
+        raise ParameterError(f"{file}: field 'start' holds no value for each of {card.parameters}")
+
+
+def read_weights(path: str | Path, card: PolicyCard) -> bytes:
+    """Return the content of the weights' file; ParameterError where it is not the one that the card was written for."""
+    file = beside(stem_of(path), ".safetensors")
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise ParameterError(f"{file}: cannot be read ({error.strerror})") from None
+    if (found := hashlib.sha256(data).hexdigest()) != card.sha256:
+        raise ParameterError(
+            f"{file}: its hash is {found[:16]}…, but field 'sha256' of the card says {card.sha256[:16]!r}"
+        )
+    return data
+
+
+def write(path: str | Path, card: PolicyCard, weights: bytes) -> None:
+    """Write both files, each whole or not at all; a card beside weights of another shows by their hash."""
+    stem = stem_of(path)
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    content = {"format": FORMAT, **asdict(card), "sha256": hashlib.sha256(weights).hexdigest()}
+    _check(beside(stem, ".json"), PolicyCard(**{k: v for k, v in content.items() if k != "format"}))
+    text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    for suffix, data in ((".safetensors", weights), (".json", text.encode())):
+        target = beside(stem, suffix)
+        draft = target.with_name(f"{target.name}.{os.getpid()}.tmp")
+        draft.write_bytes(data)
+        draft.replace(target)

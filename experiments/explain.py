@@ -1,0 +1,233 @@
+"""Explain what an agent recommends without a trial: which features move its choice, and how effort does.
+
+    python -m experiments.explain transfer_gp --artefacts out/trained --suite open-v0 --split test --index 0
+
+A feature is given the values that it has on train maps, one after the other, all else left as it is on the map; what
+the recommended setting then moves by is what the feature means to the agent there. No planner run is made.
+"""
+
+import io
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+import tyro
+from numpy.typing import NDArray
+
+import agents
+from agents.policy import PolicyAgent
+from antgym.console import main, parse, progress, write_whole
+from antgym.errors import MissingExtraError, ParameterError
+from antgym.maps.suites import SuiteItem, load_suite
+from antgym.planners.batch import MOST_EFFORT
+from antgym.tuning.agent import Agent
+from antgym.tuning.features import EFFORT_FEATURES, RULE_FEATURES, TASK_FEATURES
+from antgym.tuning.problem import Task, TuningProblem
+from experiments.tune import find_agent
+
+Floats = NDArray[np.float64]
+FACTORS = (1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8)  # of the effort
+SHOWN = 12  # features in table and picture
+EXPLAINED = tuple(f for f in TASK_FEATURES if f not in (*EFFORT_FEATURES, *RULE_FEATURES))
+"""Rules are no number that moves, and effort is moved for itself."""
+
+
+@dataclass(frozen=True)
+class Arguments:
+    """Explain what an agent recommends on maps of a suite."""
+
+    agent: Annotated[str, tyro.conf.Positional]
+    """An agent of the catalogue, or the file of a published policy of OneShot."""
+    suite: str = "open-v0"
+    """Suite of the maps."""
+    split: Literal["train", "validation", "test", "ood"] = "test"
+    """Its split."""
+    index: tuple[int, ...] = (0,)
+    """Which of its maps."""
+    donors: int = 16
+    """Train maps whose values a feature is given."""
+    artefacts: Path | None = None
+    """Folder of trained agents' files."""
+    out: Path = Path("out/explain")
+    """Folder of a .md and a .png a map, named by agent and map."""
+
+
+class Explanation(NamedTuple):
+    """What moves a choice on one map.
+
+    Attributes:
+        item: the map.
+        names: of the parameters, d.
+        unit: (d,) the setting recommended.
+        here: (features,) values on the map.
+        spans: (features, 2) 10 and 90 % quantiles of the donors' values.
+        moved: (features,) mean distance in the unit cube by which the donors' values move the setting.
+        trends: (features, d) mean setting under the upper half of the donors' values minus that under the lower.
+        efforts: of ants and of iterations: (how many, the setting's natural values, the setting), a row a factor.
+    """
+
+    item: SuiteItem
+    names: tuple[str, ...]
+    unit: Floats
+    here: Floats
+    spans: Floats
+    moved: Floats
+    trends: Floats
+    efforts: dict[str, list[tuple[int, Floats, Floats]]]
+
+
+def explain(
+    agent: Agent, item: SuiteItem, donors: Floats, advance: Callable[[int], None] = lambda _: None
+) -> Explanation:
+    """Return what moves an agent's choice on a map.
+
+    Args:
+        agent: recommends without a trial.
+        item: the map, its rules and its effort.
+        donors: (n, len(TASK_FEATURES)) features of train maps, n ≥ 2.
+        advance: called with the number of features that are done.
+    """
+    task = _task(item)
+    unit = _choice(agent, task)
+    moved, trends = np.zeros(len(EXPLAINED)), np.zeros((len(EXPLAINED), len(unit)))
+    columns = [TASK_FEATURES.index(feature) for feature in EXPLAINED]
+    for row, column in enumerate(columns):
+        values, choices = donors[:, column], np.tile(unit, (len(donors), 1))
+        for i in np.flatnonzero(values != task.features[column]):
+            features = task.features.copy()
+            features[column] = values[i]
+            choices[i] = _choice(agent, replace(task, features=features))
+        moved[row] = np.linalg.norm(choices - unit, axis=1).mean()
+        middle = np.median(values)
+        if (values > middle).any():
+            trends[row] = choices[values > middle].mean(axis=0) - choices[values <= middle].mean(axis=0)
+        advance(1)
+    here, spans = task.features[columns].astype(float), np.quantile(donors[:, columns], (0.1, 0.9), axis=0).T
+    return Explanation(item, task.space.names, unit, here, spans, moved, trends, _efforts(agent, item))
+
+
+def _efforts(agent: Agent, item: SuiteItem) -> dict[str, list[tuple[int, Floats, Floats]]]:
+    """Return what an agent recommends where there are fewer ants or more, fewer iterations or more."""
+    found: dict[str, list[tuple[int, Floats, Floats]]] = {}
+    for name in ("ants", "iterations"):
+        rows = []
+        counts = [round(getattr(item, name) * factor) for factor in FACTORS]
+        for count in dict.fromkeys(min(max(count, 1), MOST_EFFORT) for count in counts):
+            task = _task(item._replace(**{name: count}))
+            unit = _choice(agent, task)
+            rows.append((count, task.space.decode(unit)[0], unit))
+        found[name] = rows
+    return found
+
+
+def _task(item: SuiteItem) -> Task:
+    return TuningProblem(item.scenario, item.rules, item.ants, item.iterations).task(0)
+
+
+def _choice(agent: Agent, task: Task) -> Floats:
+    agent.reset(task, seed=0)
+    return np.asarray(agent.recommend(), dtype=np.float64)
+
+
+def to_markdown(found: Explanation, agent: str) -> str:
+    """Return the explanation as text: the setting, what moves it most, and how it goes with the effort."""
+    item, names = found.item, found.names
+    natural = _task(item).space.decode(found.unit)[0]
+    setting = ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, natural, strict=True))
+    lines = [
+        f"# {agent} on {item.name}",
+        "",
+        f"Rules {item.rules}, {item.ants} ants, {item.iterations} iterations: {setting}.",
+        "",
+        "How far a feature moves the setting in the unit cube when it takes its values on train maps, and by how much",
+        "each parameter is higher under the upper half of these values than under the lower.",
+        "",
+        f"| feature | here | train, 10 to 90 % | moves by | {' | '.join(names)} |",
+        "|:--|--:|--:|--:|" + "--:|" * len(names),
+    ]
+    for row in _most(found):
+        low, high = found.spans[row]
+        trends = " | ".join(f"{value:+.3f}" for value in found.trends[row])
+        cells = f"{found.here[row]:.2f} | {low:.2f} to {high:.2f} | {found.moved[row]:.3f} | {trends}"
+        lines.append(f"| {EXPLAINED[row].name} | {cells} |")
+    if not found.moved.any():
+        lines += ["", "No feature moves it: the agent recommends the same on every map."]
+    for name, rows in found.efforts.items():
+        lines += ["", f"| {name} | {' | '.join(names)} |", "|--:|" + "--:|" * len(names)]
+        lines += [f"| {n:,} | {' | '.join(f'{v:.4g}' for v in values)} |" for n, values, _ in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _most(found: Explanation) -> list[int]:
+    return [int(row) for row in np.argsort(-found.moved, kind="stable")[:SHOWN] if found.moved[row] > 0]
+
+
+def picture(found: Explanation, agent: str) -> bytes:
+    """Return the same as a PNG; MissingExtraError if matplotlib is not installed."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise MissingExtraError("matplotlib", "viz") from None
+    figure = Figure(figsize=(15, 5), layout="constrained")
+    bars, *panels = figure.subplots(1, 3, width_ratios=(5, 4, 4))
+    most = _most(found)[::-1]
+    bars.barh([EXPLAINED[row].name for row in most], found.moved[most], color="#4c72b0")
+    bars.set_xlabel("how far it moves the setting, in the unit cube")
+    for axis, (name, rows) in zip(panels, found.efforts.items(), strict=True):
+        _draw_effort(axis, name, rows, found)
+    figure.suptitle(f"{agent} on {found.item.name}, rules {found.item.rules}")
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=110)
+    return buffer.getvalue()
+
+
+def _draw_effort(
+    axis: Any, name: str, rows: Sequence[tuple[int, Floats, Floats]], found: Explanation
+) -> None:
+    counts, units = [count for count, _, _ in rows], np.stack([unit for _, _, unit in rows])
+    for column, parameter in enumerate(found.names):
+        axis.plot(counts, units[:, column], marker="o", label=parameter)
+    axis.axvline(getattr(found.item, name), color="grey", linewidth=1, linestyle=":")
+    axis.set_xscale("log")
+    axis.set_ylim(-0.02, 1.02)
+    axis.set_xlabel(name)
+    axis.set_ylabel("setting, over its range")
+    axis.legend()
+
+
+def run(arguments: Arguments) -> list[Path]:
+    """Explain every map that is asked for; return the texts' files."""
+    if arguments.donors < 2:
+        raise ParameterError(f"--donors {arguments.donors}: needs at least two train maps")
+    known = arguments.agent in agents.CATALOGUE
+    agent = find_agent(arguments.agent, arguments.artefacts) if known else PolicyAgent(arguments.agent)
+    name = arguments.agent if known else Path(arguments.agent).name.removesuffix(".json")
+    items = load_suite(arguments.suite, arguments.split)
+    for index in arguments.index:
+        if not 0 <= index < len(items):
+            raise ParameterError(f"--index {index}: this split holds 0 to {len(items) - 1}")
+    train = load_suite(arguments.suite, "train")[: arguments.donors]
+    with progress(f"explaining {name}", len(arguments.index) * len(EXPLAINED)) as advance:
+        donors = np.stack([_task(item).features for item in train]).astype(np.float64)
+        found = [explain(agent, items[index], donors, advance) for index in arguments.index]
+    files = []
+    for one in found:
+        text = to_markdown(one, name)
+        file = arguments.out / f"{name}-{one.item.name.replace('/', '-')}.md"
+        write_whole(file, text.encode())
+        write_whole(file.with_suffix(".png"), picture(one, name))
+        files.append(file)
+        print(text)
+    return files
+
+
+def script() -> None:
+    """Run the command line."""
+    for file in run(parse(Arguments, None, "python -m experiments.explain")):
+        print(f"{file} and its .png are written")
+
+
+if __name__ == "__main__":
+    main(script, interrupted="interrupted; nothing was written")

@@ -1,0 +1,136 @@
+"""The race of controllers: the same runs whoever steers, the same ledger however it was stopped."""
+
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip("sb3_contrib", reason="needs the extra rl")
+pytest.importorskip("safetensors", reason="needs the extra rl")
+
+from blank_models import blank_model
+
+from agents.networks import export
+from agents.static import StaticSetting, StaticSettings
+from antgym.errors import LedgerError, ParameterError
+from antgym.tuning.problem import TRIAL
+from antgym.tuning.run_features import CONTROL_FEATURES
+from experiments import control
+from experiments.control import Arguments, race
+
+UNIT, NAMES = (0.6, 0.9, 0.4, 0.5), ("alpha", "beta", "rho", "Q")
+
+
+@pytest.fixture
+def asked(tmp_path):
+    """A function that returns arguments of a race on three maps, its best settings written by hand."""
+    trained = tmp_path / "trained"
+    trained.mkdir()
+    setting = StaticSetting(UNIT, 7, NAMES)
+    setting.save(trained / "static.json")
+    StaticSettings({"liu2020": setting}).save(trained / "static_by_rules.json")
+
+    def made(*controllers, out="race", **others):
+        given = {"suite": "mountain-v0", "maps": 3, "seeds": 2, "artefacts": trained, **others}
+        return Arguments(controllers, **given, out=tmp_path / out)
+
+    return made
+
+
+def outcomes(arguments):
+    lines = (arguments.out / "trials.jsonl").read_text().splitlines()
+    return sorted(line for line in lines if json.loads(line)["kind"] == "outcome")
+
+
+def test_a_constant_walks_the_runs_of_one_shot(asked):
+    arguments = asked()
+    table = race(arguments)
+    items = control._items(arguments)
+    for line in map(json.loads, outcomes(arguments)):
+        name, seed = line["run"].partition("/")[2].rsplit("/", 1)
+        item = next(item for item in items if item.name == name)
+        problem = control.problem(item, "control", int(seed))
+        alone = problem.run(np.array([UNIT]), TRIAL, 0)
+        assert line["lengths"] == [length if (length := float(alone.lengths[0])) < np.inf else None]
+        assert line["gaps"] == problem.gap(alone.lengths).tolist()
+        assert line["unit"] == list(UNIT) * 10
+    assert "`best_static_by_rules`" in table
+    assert (arguments.out / "control.md").read_text() == table
+
+
+def test_a_policy_and_a_schedule_race_against_the_static_setting(asked, tmp_path):
+    export(
+        blank_model(size=len(CONTROL_FEATURES), action="each"),
+        tmp_path / "steer",
+        regime="Control",
+        evaluations=9,
+    )
+    export(blank_model(), tmp_path / "once")
+    policies = (str(tmp_path / "steer.json"), str(tmp_path / "once"))
+    table = race(asked("published_default", "schedule", *policies))
+    rows = [line for line in table.splitlines() if line.startswith("| `")]
+    assert {row.split("`")[1] for row in rows} == {
+        "published_default",
+        "schedule",
+        "steer",
+        "once",
+        "best_static_by_rules",
+    }
+    assert all("[" in row for row in rows if "best_static" not in row)
+    assert next(row for row in rows if "`steer`" in row).endswith("| 9 |")
+
+
+def test_a_race_that_was_stopped_ends_in_the_same_ledger_and_plays_nothing_twice(asked, monkeypatch):
+    whole, cut = asked("published_default", out="whole"), asked("published_default", out="cut")
+    race(whole)
+    monkeypatch.setattr(control, "TOGETHER", 5)
+    play, calls = control._play_together, []
+
+    def stopping(some, runs):
+        calls.append([job.key for job in some])
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        play(some, runs)
+
+    monkeypatch.setattr(control, "_play_together", stopping)
+    with pytest.raises(KeyboardInterrupt):
+        race(cut)
+    race(cut)
+    assert outcomes(whole) == outcomes(cut)
+    del calls[1]
+    played = [key for call in calls for key in call]
+    assert len(played) == len(set(played)) == 12
+
+
+def test_a_controller_that_comes_later_is_played_alone(asked, monkeypatch):
+    race(asked())
+    played = []
+    monkeypatch.setattr(control, "_play_together", lambda some, runs: played.extend(some))
+    with pytest.raises(AssertionError):
+        race(asked("published_default"))
+    assert {job.entrant.name for job in played} == {"published_default"}
+
+
+def test_a_policy_that_was_changed_meanwhile_is_refused(asked, tmp_path):
+    for seed in (0, 1):
+        model = blank_model(size=len(CONTROL_FEATURES), action="each", seed=seed)
+        export(model, tmp_path / "steer", regime="Control")
+        arguments = asked(str(tmp_path / "steer"), maps=2, seeds=1)
+        if seed == 0:
+            race(arguments)
+    with pytest.raises(LedgerError, match="policy steer"):
+        race(arguments)
+
+
+@pytest.mark.parametrize(
+    ("controllers", "others", "message"),
+    [
+        (("nobody",), {}, "nobody.json: no such policy"),
+        ((), {"seeds": 0}, "--seeds 0"),
+        ((), {"against": "best_statics"}, "unknown agent 'best_statics'"),
+        (("schedule",), {"suite": "no-v0"}, "no-v0"),
+    ],
+)
+def test_what_cannot_be_raced_is_one_clear_error(asked, controllers, others, message):
+    with pytest.raises(ParameterError, match=message):
+        race(asked(*controllers, **others))

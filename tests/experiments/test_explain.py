@@ -1,0 +1,82 @@
+"""Explanations: what an agent does look at shows, what it does not look at does not."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("matplotlib")
+
+from agents.search import ZeroShot
+from antgym.errors import ParameterError
+from antgym.maps.suites import load_suite
+from antgym.tuning.features import TASK_FEATURES
+from experiments import explain
+from experiments.explain import EXPLAINED, Arguments
+
+ITEM = load_suite("mountain-v0", "test")[0]
+NAMES = [feature.name for feature in EXPLAINED]
+BLOCKED = [feature.name for feature in TASK_FEATURES].index("blocked")
+
+
+class Looker(ZeroShot):
+    """Raises beta where more is blocked, and alpha with the iterations."""
+
+    def _choose(self, task, seed):
+        return np.array([min(task.iterations / 1000, 1.0), float(task.features[BLOCKED]), 0.5, 0.5])
+
+
+@pytest.fixture
+def donors():
+    values = np.tile(explain._task(ITEM).features, (6, 1))
+    values[:, BLOCKED] = np.linspace(0, 1, 6)
+    return values
+
+
+def test_the_feature_that_is_looked_at_moves_the_choice_and_no_other(donors):
+    found = explain.explain(Looker(), ITEM, donors)
+    row = NAMES.index("blocked")
+    assert found.moved[row] > 0.1
+    assert np.delete(found.moved, row).tolist() == [0.0] * (len(NAMES) - 1)
+    assert found.trends[row] == pytest.approx([0.0, 0.6, 0.0, 0.0])
+    assert "| blocked |" in explain.to_markdown(found, "looker")
+
+
+def test_effort_moves_the_choice_by_itself(donors):
+    found = explain.explain(Looker(), ITEM, donors)
+    assert [unit[0] for count, _, unit in found.efforts["iterations"]] == pytest.approx(
+        [min(count / 1000, 1.0) for count, _, _ in found.efforts["iterations"]]
+    )
+    assert len({unit[0] for _, _, unit in found.efforts["ants"]}) == 1
+
+
+def test_an_agent_that_looks_at_nothing_is_said_to(tmp_path):
+    files = explain.run(
+        Arguments("published_default", suite="mountain-v0", index=(0, 1), donors=2, out=tmp_path)
+    )
+    assert len(files) == 2
+    for file in files:
+        assert "No feature moves it" in file.read_text()
+        assert file.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_published_policy_is_explained_by_its_file(tmp_path):
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    export(blank_model(), tmp_path / "p")
+    (file,) = explain.run(
+        Arguments(str(tmp_path / "p.json"), suite="mountain-v0", donors=3, out=tmp_path / "out")
+    )
+    assert file.name.startswith("p-")
+    assert file.read_text().count("\n| ") > 10
+
+
+@pytest.mark.parametrize(
+    ("others", "message"),
+    [({"donors": 1}, "--donors 1"), ({"index": (10**6,)}, "--index 1000000: this split holds 0 to")],
+)
+def test_what_cannot_be_explained_is_one_clear_error(others, message):
+    with pytest.raises(ParameterError, match=message):
+        explain.run(Arguments("published_default", suite="mountain-v0", **others))
