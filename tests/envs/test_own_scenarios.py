@@ -5,6 +5,7 @@ import pickle
 import gymnasium
 import numpy as np
 import pytest
+from discs import scattered
 from scenarios import drawn
 from two_settings import ANTS, items
 
@@ -138,3 +139,20 @@ def test_a_scenario_without_a_path_is_refused_before_anything_is_paid_for():
 def test_they_have_no_splits(split):
     with pytest.raises(ParameterError, match=f"split '{split}' of scenarios of your own: they have none"):
         make(split=split)
+
+
+@pytest.mark.parametrize(("rules", "dimension"), [("wu2018", 4), ("abc_gbest", 3)])
+def test_discs_of_ones_own_are_flown_by_bees(rules, dimension):
+    given = [antgym.SuiteItem(f"mine-{seed}", scattered(seed), 10, 50, rules) for seed in (1, 2)]
+    env = gymnasium.make("antgym/RoomOneShot-v0", suite=given, observation="map")
+    shown, info = env.reset(seed=0)
+    assert (env.action_space.shape, shown["map"].shape) == ((dimension,), (3, 32, 32))
+    assert info["rules"] == rules
+    assert env.step(env.action_space.sample())[4]["gap"] >= 0
+
+
+def test_swarms_that_choose_different_parameters_do_not_mix(valley):
+    tabu, plain = (antgym.SuiteItem(rules, scattered(1), 10, 50, rules) for rules in ("wu2018", "abc_gbest"))
+    for given in ([tabu, plain], [plain, antgym.SuiteItem("valley", valley)]):
+        with pytest.raises(ParameterError, match="an environment has one action space"):
+            gymnasium.make("antgym/RoomOneShot-v0", suite=given)
