@@ -90,7 +90,7 @@ def test_rules_meet_the_families_that_they_are_for():
 @pytest.mark.slow
 @pytest.mark.parametrize("split", SPLITS[:3])
 def test_every_split_of_the_flagship_shows_every_rule_and_family(split):
-    items = load_suite("open-v0", split)
+    items = load_suite("open-v0", split)[:400]
     assert len({item.rules for item in items}) == 9
     assert len({item.family for item in items}) == 10
 
