@@ -18,9 +18,13 @@ _Artefact = TypeVar("_Artefact")
 
 def save(path: str | Path, form: str, content: Mapping[str, Any]) -> None:
     """Write an artefact as JSON; a file of that name is replaced at once or not at all."""
-    path = Path(path)
+    write_whole(Path(path), json.dumps({"format": form, **content}, indent=1).encode())
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file that is there as a whole or not at all."""
     draft = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    draft.write_text(json.dumps({"format": form, **content}, indent=1), encoding="utf-8")
+    draft.write_bytes(data)
     draft.replace(path)
 
 

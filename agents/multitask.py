@@ -102,14 +102,26 @@ class MultitaskModel:
 
     def predict(self, task: Task, units: Floats) -> Prediction:
         """Return what is expected of settings, (s, d) in [0, 1], on a task; ParameterError where it does not fit."""
+        likeness = self._likeness(task)
+        variance = np.exp(self.kernel[2:]).sum() - likeness @ self._precision @ likeness
+        mean = self._mean(likeness, units)
+        return Prediction(mean, variance * self._between(units), self._noise(units, likeness))
+
+    def expect(self, task: Task, units: Floats) -> Floats:
+        """Return the expected log regrets of settings alone, (s,); see :meth:`predict`."""
+        return self._mean(self._likeness(task), units)[:-1]
+
+    def _likeness(self, task: Task) -> Floats:
+        """Return the covariance of a task with every train map, (n,)."""
         self.experience.check(task)
         features = task.features.astype(np.float64)
         here = self.experience.standardise(features)[None, self._columns]
-        likeness = self.kernel(self._maps, here, self._same(self._kind(features[None])))[:, 0]
-        variance = np.exp(self.kernel[2:]).sum() - likeness @ self._precision @ likeness
-        mean = likeness @ self._solved @ self._spread(units)
+        return self.kernel(self._maps, here, self._same(self._kind(features[None])))[:, 0]
+
+    def _mean(self, likeness: Floats, units: Floats) -> Floats:
+        mean: Floats = likeness @ self._solved @ self._spread(units)
         mean[-1] += self.experience.lowest.mean()
-        return Prediction(mean, variance * self._between(units), self._noise(units, likeness))
+        return mean
 
     def _between(self, units: Floats) -> Floats:
         """Return the covariance between settings, and last the level: what the train maps show, and a smooth prior.

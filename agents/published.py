@@ -6,12 +6,12 @@ Reading one runs nothing of it: the JSON is checked field by field, and weights 
 import hashlib
 import json
 import math
-import os
 from collections.abc import Callable
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
 
+from agents.artefact import write_whole
 from antgym.errors import ParameterError
 
 FORMAT = "antgym policy 1"
@@ -229,7 +229,4 @@ def write(path: str | Path, card: PolicyCard, weights: bytes) -> None:
     _check(beside(stem, ".json"), PolicyCard(**{k: v for k, v in content.items() if k != "format"}))
     text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     for suffix, data in ((".safetensors", weights), (".json", text.encode())):
-        target = beside(stem, suffix)
-        draft = target.with_name(f"{target.name}.{os.getpid()}.tmp")
-        draft.write_bytes(data)
-        draft.replace(target)
+        write_whole(beside(stem, suffix), data)

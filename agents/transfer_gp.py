@@ -40,7 +40,7 @@ class TransferGP:
     def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - nothing here is random
         """Take on a task; ParameterError where it does not fit the experience."""
         settings = self.experience.settings
-        expected = self.model.predict(task, settings).mean[:-1]
+        expected = self.model.expect(task, settings)
         shares = np.exp(-(expected - expected.min()) / self.tau)
         blend = task.space.mean(settings, shares / shares.sum())
         self._candidates = np.vstack([blend, settings])

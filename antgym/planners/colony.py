@@ -1,11 +1,8 @@
 """The colony: one run of ants that can be paused, steered and advanced together with others."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.errors import ParameterError
 from antgym.kernels import layout
 from antgym.kernels.ants import begin
 from antgym.kernels.diagnosis import walk_block
@@ -14,7 +11,7 @@ from antgym.planners.batch import Batch, cells_of, write_parameters
 from antgym.planners.buffers import Buffers, fitted, grown, new_buffers
 from antgym.planners.diagnosis import Diagnosis
 from antgym.planners.parameters import ColonyParameters, check_parameters
-from antgym.planners.pausing import advance_together
+from antgym.planners.pausing import Paused, advance_together
 from antgym.planners.planning import plan, plan_many
 from antgym.planners.plans import Plan, Plans
 from antgym.planners.rules import Rules, find_rules
@@ -22,7 +19,7 @@ from antgym.planners.rules import Rules, find_rules
 __all__ = ["Colony", "Diagnosis", "Plan", "Plans", "advance_together", "plan", "plan_many"]
 
 
-class Colony:
+class Colony(Paused[ColonyParameters, Buffers]):
     """One run that can be paused: ``Colony(...)``, ``advance(parameters, iterations)``, ``result()``.
 
     Pheromone is the state; a change of α or β makes rows be weighed again when they are next visited, the same
@@ -33,6 +30,9 @@ class Colony:
         scenario, rules, ants, iterations, seed: as for :func:`plan`.
         buffers: what another colony released; without them, new ones are made.
     """
+
+    _idle = "this colony has not walked yet"
+    _released = "this colony has released its buffers, or lost them to an error"
 
     def __init__(
         self,
@@ -48,32 +48,11 @@ class Colony:
         self._batch = batch = Batch.of([scenario], [default], rules, ants, iterations, [seed])
         self._scenario, self._rules = scenario, find_rules(rules)
         self._asked = {"rules": rules, "ants": ants, "iterations": iterations, "seed": seed}
-        self._blocks: list[tuple[ColonyParameters, int]] = []
-        self._iterations, self._done = iterations, 0
+        self._iterations = iterations
         self._next, self._changed = default, False
-        self._kept: Buffers | None = (
-            new_buffers(batch.runs) if buffers is None else fitted(buffers, batch.runs)
-        )
-        self._report, self._first = np.full(layout.REPORT_SIZE, np.inf), np.inf
+        self._begin(new_buffers(batch.runs) if buffers is None else fitted(buffers, batch.runs))
+        self._report = np.full(layout.REPORT_SIZE, np.inf)
         begin(batch.runs[0], batch.tables, *self._buffers)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _walked_again, (self._scenario, self._asked, self._blocks)
-
-    @property
-    def _buffers(self) -> Buffers:
-        if self._kept is None:
-            raise ParameterError(
-                "this colony has released its buffers, or lost them to an error; nothing more can be asked of it"
-            )
-        return self._kept
-
-    @property
-    def parameters(self) -> ColonyParameters:
-        """Those of the last block; ParameterError before any."""
-        if not self._blocks:
-            raise ParameterError("this colony has not walked yet; advance() it")
-        return self._blocks[-1][0]
 
     @property
     def best(self) -> float:
@@ -85,23 +64,9 @@ class Colony:
         """Moves that all ants have made so far."""
         return int(self._buffers.trail.status[layout.MADE])
 
-    @property
-    def done(self) -> int:
-        """Iterations walked so far."""
-        return self._done
-
-    @property
-    def left(self) -> int:
-        """Iterations that can still be walked."""
-        return self._iterations - self._done
-
     def check(self, parameters: ArrayLike) -> NDArray[np.float64]:
         """Return (k, 4) natural values; ParameterError where one cannot be used."""
         return check_parameters(parameters)
-
-    def advance(self, parameters: ArrayLike, iterations: int) -> None:
-        """Walk some more iterations under (α, β, ρ, Q); ParameterError if more are asked for than are left."""
-        advance_together([self], parameters, [iterations])
 
     def diagnosis(self) -> Diagnosis:
         """Return how the run stands after its last block."""
@@ -110,12 +75,6 @@ class Colony:
         best, gained, mean, stagnation, *rest = self._report.tolist()
         done, stagnation = self._done / self._iterations, stagnation / self._iterations
         return Diagnosis(done, best, self._first, gained, mean, stagnation, *rest)
-
-    def release(self) -> Buffers:
-        """Give the buffers away to another colony; nothing more can be asked of this one."""
-        buffers = self._buffers
-        self._kept = None
-        return buffers
 
     def result(self) -> Plan:
         """Return the plan as it stands; its history covers the iterations walked."""
@@ -171,13 +130,3 @@ class Colony:
         self._done = until
         if self._first == np.inf:
             self._first = self.best
-
-
-def _walked_again(
-    scenario: Scenario, asked: dict[str, Any], blocks: list[tuple[ColonyParameters, int]]
-) -> Colony:
-    """Return the colony that a pickled one was."""
-    colony = Colony(scenario, **asked)
-    for parameters, iterations in blocks:
-        colony.advance(parameters, iterations)
-    return colony

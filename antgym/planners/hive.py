@@ -1,11 +1,8 @@
 """The hive: one run of bees that can be paused, steered and advanced together with others."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.errors import ParameterError
 from antgym.kernels.bees import begin, fly_block
 from antgym.kernels.hive import MADE, Comb
 from antgym.maps.discs import DiscScenario
@@ -13,14 +10,14 @@ from antgym.planners.bee_rules import BeeRules, find_bee_rules
 from antgym.planners.diagnosis import Diagnosis
 from antgym.planners.flights import Flights, fitted, write_bee_parameters
 from antgym.planners.parameters import BeeParameters, check_bee_parameters
-from antgym.planners.pausing import advance_together
+from antgym.planners.pausing import Paused
 from antgym.planners.plans import Plan
 
 LOOKED_AT = 32  # sources, at most, that are told apart
 APART = 0.01  # of the world's width: sources whose way-points all lie closer are the same
 
 
-class Hive:
+class Hive(Paused[BeeParameters, Comb]):
     """One run that can be paused: ``Hive(...)``, ``advance(parameters, iterations)``, ``result()``.
 
     The sources are the state, and parameters are read anew every cycle: any split into blocks gives the plan of one
@@ -32,6 +29,9 @@ class Hive:
             iterations their cycles.
         buffers: what another hive released; without them, new ones are made.
     """
+
+    _idle = "this hive has not flown yet"
+    _released = "this hive has released its buffers"
 
     def __init__(
         self,
@@ -47,28 +47,10 @@ class Hive:
         self._flights = Flights.of([scenario], [default], rules, ants, iterations, [seed])
         self._scenario, self._tabu = scenario, find_bee_rules(rules).tabu > 0
         self._asked = {"rules": rules, "ants": ants, "iterations": iterations, "seed": seed}
-        self._blocks: list[tuple[BeeParameters, int]] = []
-        self._iterations, self._done, self._next = iterations, 0, default
-        self._since, self._first = 0, np.inf
-        self._kept: Comb | None = fitted(buffers, self._flights.runs)
+        self._iterations, self._next, self._since = iterations, default, 0
+        self._begin(fitted(buffers, self._flights.runs))
         with np.errstate(over="ignore"):
-            begin(self._flights.runs[0], self._flights.discs, self._comb)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _flown_again, (self._scenario, self._asked, self._blocks)
-
-    @property
-    def _comb(self) -> Comb:
-        if self._kept is None:
-            raise ParameterError("this hive has released its buffers; nothing more can be asked of it")
-        return self._kept
-
-    @property
-    def parameters(self) -> BeeParameters:
-        """Those of the last block; ParameterError before any."""
-        if not self._blocks:
-            raise ParameterError("this hive has not flown yet; advance() it")
-        return self._blocks[-1][0]
+            begin(self._flights.runs[0], self._flights.discs, self._buffers)
 
     @property
     def best(self) -> float:
@@ -78,31 +60,17 @@ class Hive:
     @property
     def moves(self) -> int:
         """Paths that all bees have evaluated so far."""
-        return int(self._comb.status[MADE])
-
-    @property
-    def done(self) -> int:
-        """Cycles flown so far."""
-        return self._done
-
-    @property
-    def left(self) -> int:
-        """Cycles that can still be flown."""
-        return self._iterations - self._done
+        return int(self._buffers.status[MADE])
 
     @property
     def sources(self) -> NDArray[np.float64]:
         """The sources as they stand, (s, p + 2, 2) points from start to goal; a copy."""
         run = self._flights.runs[0]
-        return self._comb.place[: run.sources, :, : run.points + 2].swapaxes(1, 2).copy()
+        return self._buffers.place[: run.sources, :, : run.points + 2].swapaxes(1, 2).copy()
 
     def check(self, parameters: ArrayLike) -> NDArray[np.float64]:
         """Return (k, 4) natural values; ParameterError where one cannot be used."""
         return check_bee_parameters(parameters, self._tabu)
-
-    def advance(self, parameters: ArrayLike, iterations: int) -> None:
-        """Fly some more cycles under (limit, ξ_max, ξ_min, radius); ParameterError if more than are left."""
-        advance_together([self], parameters, [iterations])
 
     def diagnosis(self) -> Diagnosis:
         """Return how the run stands after its last block, in the words of a colony's.
@@ -130,17 +98,11 @@ class Hive:
             _distinct(sources, APART * self._scenario.world.width),
         )
 
-    def release(self) -> Comb:
-        """Give the buffers away to another hive; nothing more can be asked of this one."""
-        comb = self._comb
-        self._kept = None
-        return comb
-
     def result(self) -> Plan:
         """Return the plan as it stands; its history covers the cycles flown."""
         flights = self._flights
         flights.lengths[0], flights.made[0] = self.best, self.moves
-        flights.paths[0] = self._comb.best[:, : flights.paths.shape[2]]
+        flights.paths[0] = self._buffers.best[:, : flights.paths.shape[2]]
         return flights.plan(0, self._done)
 
     def _set(self, values: NDArray[np.float64]) -> None:
@@ -150,7 +112,7 @@ class Hive:
 
     def _walk(self, iterations: int) -> None:
         flights, self._since, self._done = self._flights, self._done, self._done + iterations
-        fly_block(flights.discs, flights.runs, self._comb, flights.history, self._done)
+        fly_block(flights.discs, flights.runs, self._buffers, flights.history, self._done)
         self._blocks.append((self._next, iterations))
         if self._first == np.inf:
             self._first = self.best
@@ -173,13 +135,3 @@ def _distinct(sources: NDArray[np.float64], apart: float) -> float:
     looked_at = sources[:LOOKED_AT].reshape(min(len(sources), LOOKED_AT), -1)
     same = np.abs(looked_at[:, None] - looked_at[None]).max(axis=2) < apart
     return 1.0 - float(np.tril(same, -1).any(axis=1).mean())
-
-
-def _flown_again(
-    scenario: DiscScenario, asked: dict[str, Any], blocks: list[tuple[BeeParameters, int]]
-) -> Hive:
-    """Return the hive that a pickled one was."""
-    hive = Hive(scenario, **asked)
-    for parameters, iterations in blocks:
-        hive.advance(parameters, iterations)
-    return hive

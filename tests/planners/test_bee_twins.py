@@ -1,17 +1,13 @@
 """The bees against their slow twin, bit for bit, and compiled against interpreted."""
 
-import json
-import os
-import subprocess
-import sys
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 from discs import among, disc_scenarios, scattered
 from hives import BEE_PARAMETERS, any_bee_rules
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from interpreted import run_script
 from reference import bees as twin
 
 from antgym.planners.bee_rules import BEE_PAPERS
@@ -90,21 +86,8 @@ print(json.dumps(out))
 """
 
 
-def run_script(**environment):
-    script = SCRIPT.format(tests=str(Path(__file__).parents[1]))
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", script],
-        check=False,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
-
-
 def test_interpreted_and_compiled_bees_give_the_same_bits():
-    assert run_script(NUMBA_DISABLE_JIT="1") == run_script(NUMBA_DISABLE_JIT="0")
+    assert run_script(SCRIPT, NUMBA_DISABLE_JIT="1") == run_script(SCRIPT, NUMBA_DISABLE_JIT="0")
 
 
 def test_bee_kernels_compile_once():

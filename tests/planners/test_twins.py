@@ -1,12 +1,7 @@
 """The ants against their slow twin, bit for bit, against the textbook in the mean, and compiled against interpreted."""
 
-import json
-import os
 import pkgutil
-import subprocess
-import sys
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +9,7 @@ from colonies import CELLS, PARAMETERS, RULES, any_rules, world_of
 from conftest import random_grid, random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from interpreted import run_script
 from reference import textbook, twin
 from scenarios import GRIDS
 
@@ -95,21 +91,8 @@ print(json.dumps(out))
 """
 
 
-def run_script(**environment):
-    script = SCRIPT.format(tests=str(Path(__file__).parents[1]))
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", script],
-        check=False,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
-
-
 def test_interpreted_and_compiled_kernels_give_the_same_bits():
-    assert run_script(NUMBA_DISABLE_JIT="1") == run_script(NUMBA_DISABLE_JIT="0")
+    assert run_script(SCRIPT, NUMBA_DISABLE_JIT="1") == run_script(SCRIPT, NUMBA_DISABLE_JIT="0")
 
 
 @pytest.mark.parametrize("name", PAPERS)
