@@ -15,6 +15,7 @@ from antgym.maps.discs import DiscWorld
 from antgym.maps.features import FEATURES, Feature
 from antgym.maps.world import Scenario
 from antgym.planners.planning import AnyRules
+from antgym.tuning.naive import NAIVE_FEATURES, naive_features
 
 _RULES = "rules_"  # how the name of a feature begins that shows a rule
 EFFORT_FEATURES = (
@@ -56,7 +57,7 @@ def _rule_features(names: Sequence[str]) -> tuple[Feature, ...]:
 
 
 RULE_FEATURES = _rule_features(RULES_SHOWN)
-TASK_FEATURES: tuple[Feature, ...] = (*FEATURES, *EFFORT_FEATURES, *RULE_FEATURES)
+TASK_FEATURES: tuple[Feature, ...] = (*FEATURES, *EFFORT_FEATURES, *NAIVE_FEATURES, *RULE_FEATURES)
 DISC_TASK_FEATURES: tuple[Feature, ...] = (
     *DISC_FEATURES,
     *EFFORT_FEATURES,
@@ -74,7 +75,8 @@ def task_features(
     effort = np.clip([np.log10(ants) / 3, np.log10(iterations) / 4], 0.0, 1.0)
     discs = isinstance(scenario.world, DiscWorld)
     shown = [name == rules for name in (BEE_RULES_SHOWN if discs else RULES_SHOWN)]
-    return np.concatenate([scenario.descriptors, effort, shown]).astype(np.float32)
+    naive = np.empty(0) if discs else naive_features(scenario, rules)
+    return np.concatenate([scenario.descriptors, effort, naive, shown]).astype(np.float32)
 
 
 def task_table(discs: bool) -> tuple[Feature, ...]:
