@@ -35,7 +35,12 @@ CONSTANT = (
 LEAST_SHARE = (
     0.05  # of its range that a feature is divided by: elsewhere it may well differ more than on train maps
 )
-OWN = ("num_envs", "reward_scale", "action_noise")  # settings that are none of the algorithm's constructor
+OWN = (
+    "num_envs",
+    "reward_scale",
+    "action_noise",
+    "table_steps",
+)  # settings that are none of the algorithm's constructor
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,8 @@ from antgym.tuning.run_features import control_table
 from antgym.tuning.seeding import child_states
 from experiments.checkpoints import Checkpoints, Standing, require_same
 from experiments.learners import Learner, parsed
+from experiments.provenance import file_hash
+from experiments.replay import Replayed
 from experiments.validation import Validation
 
 LEGS = 10
@@ -69,6 +71,9 @@ class Arguments:
     """Control: a file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
     kwargs: str = "{}"
     """Arguments of the environment as JSON: '{"suite": "room-v0", "reward": "improvement", "budget": 20}'."""
+    experience: Path | None = None
+    """OneShot, algorithms that replay: a table of trials to learn from before any episode, as experiments.artefacts
+    experience makes it. Its trials are the first evaluations, as many of its maps as these pay for."""
     validation: int = 50
     """Maps of the validation split that checkpoints are chosen on, one run each."""
     config: Path | None = None
@@ -144,6 +149,7 @@ def _asked(arguments: Arguments) -> dict[str, Any]:
         "action": learner.how,
         "kwargs": dict(learner.kwargs),
         "settings": learner.settings,
+        "experience": arguments.experience and file_hash(arguments.experience),
     }
 
 
@@ -152,22 +158,33 @@ def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
     kind = algorithm_class(arguments.algorithm)
     log = None if arguments.tensorboard is None else str(arguments.tensorboard)
     envs, validation = learner.train_envs(arguments.seed), Validation(learner, arguments.validation)
-    steps = max(1, int(arguments.evaluations / learner.runs_a_step))
+    table = _table(learner, arguments)
+    charged = table.trials if table else 0
+    steps = int((arguments.evaluations - charged) / learner.runs_a_step)
     begun = kept.standing.leg > 0
-    model = kept.resume(kind, envs, log) if begun else learner.model(envs, arguments.seed, steps, log)
+    held = max(1, steps + charged)
+    model = kept.resume(kind, envs, log) if begun else learner.model(envs, arguments.seed, held, log)
+    if table and not begun:
+        table.fill(model)
     unit = _unit(model, learner.steps_an_episode)
-    units = max(1, steps // unit)
+    units = steps // unit if table else max(1, steps // unit)
     title = f"{arguments.algorithm} on {arguments.env}"
-    with progress(title, round(units * unit * learner.runs_a_step)) as advance:
+    with progress(title, charged + round(units * unit * learner.runs_a_step)) as advance:
         advance(kept.standing.evaluations, _titled(title, kept.standing))
         for leg in range(kept.standing.leg, LEGS):
             until = unit * (units * (leg + 1) // LEGS)
-            if until > model.num_timesteps:
+            if table or until > model.num_timesteps:
                 goal = Goal(until, unit * units)
-                standing = _walk(model, goal, kept.standing, leg + 1, validation, arguments, advance)
+                standing = _walk(model, goal, kept.standing, leg + 1, validation, table, arguments, advance)
                 kept.keep(model, standing)
                 advance(0, _titled(title, standing))
     return model
+
+
+def _table(learner: Learner, arguments: Arguments) -> Replayed | None:
+    if arguments.experience is None:
+        return None
+    return Replayed(arguments.experience, learner, arguments.evaluations)
 
 
 def _walk(
@@ -176,6 +193,7 @@ def _walk(
     before: Standing,
     leg: int,
     validation: Validation,
+    table: Replayed | None,
     arguments: Arguments,
     advance: Advance,
 ) -> Standing:
@@ -194,11 +212,18 @@ def _walk(
     model.set_random_seed(int(child_states([arguments.seed], [(_LEG, leg)])[0, 0]) % SEED_LIMIT)
     model._last_obs = None  # so that learning begins new episodes, resumed or not
     name = f"{arguments.algorithm}-{arguments.out.name}"
-    model.learn(goal.leg - model.num_timesteps, after_step, reset_num_timesteps=False, tb_log_name=name)
+    charged = 0
+    if table:
+        model.learn(0, reset_num_timesteps=False, tb_log_name=name)  # no step, but what logs it is there
+        charged = table.trials if leg == 1 else 0
+        advance(charged)
+        table.learn(model, leg, LEGS)
+    if goal.leg > model.num_timesteps:
+        model.learn(goal.leg - model.num_timesteps, after_step, reset_num_timesteps=False, tb_log_name=name)
     gap = validation.gap(model)
     model.logger.record("validation/gap", gap)
     model.logger.dump(model.num_timesteps)
-    evaluations = before.evaluations + native.planner_runs - spent
+    evaluations = before.evaluations + native.planner_runs - spent + charged
     better = before.lowest is None or gap < before.lowest
     return replace(
         before,
