@@ -24,7 +24,7 @@ class Replayed:
     Args:
         path: an experience, as ``experiments.artefacts experience`` makes it.
         learner: what is trained.
-        evaluations: planner runs that the training may spend.
+        evaluations: planner runs that the table may have cost.
 
     Attributes:
         trials: how many there are.
@@ -32,7 +32,7 @@ class Replayed:
 
     Raises:
         ParameterError: where the algorithm replays nothing, the regime or the reward is another, or the table is of
-            another suite or version, or dearer than the training.
+            another suite or version, or a single map of it dearer than what may be paid.
     """
 
     def __init__(self, path: Path, learner: Learner, evaluations: int) -> None:
@@ -50,7 +50,7 @@ class Replayed:
         self._maps = min(len(table.names), evaluations // self._runs)
         if not self._maps:
             raise ParameterError(
-                f"--evaluations {evaluations}: a single map of {path} took {self._runs} planner runs"
+                f"--experience: {evaluations} evaluations pay for no map of {path}, each took {self._runs}"
             )
         self.trials = self._maps * self._runs
         self._optima = self._lengths(path, learner)

@@ -73,7 +73,9 @@ class Arguments:
     """Arguments of the environment as JSON: '{"suite": "room-v0", "reward": "improvement", "budget": 20}'."""
     experience: Path | None = None
     """OneShot, algorithms that replay: a table of trials to learn from before any episode, as experiments.artefacts
-    experience makes it. Its trials are the first evaluations, as many of its maps as these pay for."""
+    experience makes it. Its trials are the first evaluations, as many of its maps as --replayed pays for."""
+    replayed: int | None = None
+    """Evaluations at most that are trials of --experience; by default as many as there are."""
     validation: int = 50
     """Maps of the validation split that checkpoints are chosen on, one run each."""
     config: Path | None = None
@@ -150,6 +152,7 @@ def _asked(arguments: Arguments) -> dict[str, Any]:
         "kwargs": dict(learner.kwargs),
         "settings": learner.settings,
         "experience": arguments.experience and file_hash(arguments.experience),
+        "replayed": arguments.replayed,
     }
 
 
@@ -184,7 +187,8 @@ def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
 def _table(learner: Learner, arguments: Arguments) -> Replayed | None:
     if arguments.experience is None:
         return None
-    return Replayed(arguments.experience, learner, arguments.evaluations)
+    most = arguments.evaluations if arguments.replayed is None else arguments.replayed
+    return Replayed(arguments.experience, learner, min(most, arguments.evaluations))
 
 
 def _walk(
