@@ -81,18 +81,20 @@ class Replayed:
             )
         low, high = model.action_space.low, model.action_space.high
         taken = model.policy.scale_action(low + np.array(table.units) * (high - low))
-        rows = (
+        rows: tuple[NDArray[Any], ...] = (
             np.repeat(shown, settings * repeats, axis=0),
             np.tile(np.repeat(taken, repeats, axis=0), (self._maps, 1)),
             -self._scale * self.gaps.reshape(-1),
         )
         count = self.trials // buffer.n_envs
-        for kept, values in zip((buffer.observations, buffer.actions, buffer.rewards), rows, strict=True):
+        held: tuple[NDArray[Any], ...] = (buffer.observations, buffer.actions, buffer.rewards)
+        for kept, values in zip(held, rows, strict=True):
             kept[:count] = values[: count * buffer.n_envs].reshape(kept[:count].shape)
         buffer.next_observations[:count] = buffer.observations[:count]  # nothing follows the one step
         buffer.dones[:count] = 1
         buffer.pos = count % buffer.buffer_size
         buffer.full = count == buffer.buffer_size
+        model.learning_starts = 0  # nothing has to be tried at random any more
 
     @property
     def gaps(self) -> NDArray[np.float64]:
