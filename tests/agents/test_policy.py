@@ -17,6 +17,7 @@ from agents.networks import export
 from agents.policy import PolicyAgent
 from antgym.errors import ParameterError
 from antgym.tuning import Session, incumbent, observe, observe_with_map, settings_of, tune
+from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.observation import bounds
 from antgym.tuning.problem import TuningProblem
 
@@ -94,9 +95,9 @@ def test_a_policy_of_trials_begins_anew_on_every_task(tmp_path, bowl):
         (
             {},
             {"features": np.zeros(3, np.float32)},
-            r"takes observations of shape \(58,\), the task's is \(3,\)",
+            rf"takes observations of shape \({len(TASK_FEATURES)},\), the task's is \(3,\)",
         ),
-        ({"regime": "Trials", "window": 1}, {}, r"takes observations of shape \(58,\)"),
+        ({"regime": "Trials", "window": 1}, {}, rf"takes observations of shape \({len(TASK_FEATURES)},\)"),
         ({"regime": "Trials"}, {"budget": 0}, "picks trials, but the task's budget is 0"),
         ({"parameters": ["alpha", "beta", "rho", "q0"]}, {}, "picks .*q0"),
     ],

@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 from scenarios import scenarios
 
 from antgym.errors import ParameterError
-from antgym.maps.features import FEATURES
 from antgym.maps.occupancy import occupancy
 from antgym.maps.world import Scenario
 from antgym.planners.rules import PAPERS, Rules
-from antgym.tuning.features import EFFORT_FEATURES, RULES_SHOWN, TASK_FEATURES, shown_rules, task_features
+from antgym.tuning.features import RULES_SHOWN, TASK_FEATURES, shown_rules, task_features
 from antgym.tuning.observation import bounds, observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Task, TuningProblem
 from antgym.tuning.session import Session, Trial
@@ -90,7 +89,7 @@ def test_effort_is_among_the_features(valley):
 
 
 def test_the_features_show_the_rules_by_one_of_their_places(valley):
-    first = len(FEATURES) + len(EFFORT_FEATURES)
+    first = len(TASK_FEATURES) - len(RULES_SHOWN)
     for place, name in enumerate(RULES_SHOWN):
         seen = TuningProblem(valley, name, ants=10, iterations=100).task(0).features[first:]
         assert np.flatnonzero(seen).tolist() == [place]
@@ -98,7 +97,7 @@ def test_the_features_show_the_rules_by_one_of_their_places(valley):
 
 
 def test_rules_of_ones_own_are_none_of_the_published(valley):
-    assert not task_features(valley, 10, 100, Rules(q0=0.5))[len(FEATURES) + len(EFFORT_FEATURES) :].any()
+    assert not task_features(valley, 10, 100, Rules(q0=0.5))[-len(RULES_SHOWN) :].any()
 
 
 def test_the_rules_can_be_read_off_the_features(valley):
