@@ -17,6 +17,9 @@ from antgym.maps.suites import load_suite
 from antgym.tuning.problem import COST_CAP, GAP_CAP
 from experiments.learners import Learner
 
+PLAIN = {"observation": "features", "reward": "gap", "split": "train"}
+"""Arguments of an environment whose episodes a table holds; of other efforts, it says nothing."""
+
 
 class Replayed:
     """The trials of a table on its first maps, as many as the evaluations of a training pay for.
@@ -38,12 +41,12 @@ class Replayed:
     def __init__(self, path: Path, learner: Learner, evaluations: int) -> None:
         self.steps = int(learner.settings.get("table_steps", 0))
         self._scale = float(learner.settings.get("reward_scale", 1.0))
-        kwargs = learner.kwargs
-        plain = kwargs.get("reward", "gap") == "gap" and kwargs.get("observation", "features") == "features"
+        given = {name: value for name, value in learner.kwargs.items() if name != "suite"}
+        plain = given.items() <= PLAIN.items()
         if learner.entry.regime != "OneShot" or not plain or not self.steps:
             raise ParameterError(
                 f"--experience: {learner.algorithm} on {learner.env} replays no table; what does: algorithms with "
-                "table_steps in their settings, on features and the gap of OneShot"
+                f"table_steps in their settings, in OneShot, and of the environment's arguments only suite and {PLAIN}"
             )
         self._table = table = Experience.load(path)
         self._runs = len(table.units) * len(table.costs[0][0])
@@ -58,7 +61,7 @@ class Replayed:
     def _lengths(self, path: Path, learner: Learner) -> NDArray[np.float64]:
         """Return the optimum of every map in straight lines, (n,)."""
         items = {
-            item.scenario.name: item.scenario
+            item.name: item.scenario
             for item in load_suite(learner.kwargs.get("suite", learner.entry.kwargs["suite"]), "train")
         }
         try:
