@@ -5,6 +5,8 @@ from typing import Any, NamedTuple
 
 import agents
 from agents.graph import TransferGraph
+from agents.policy import FLAGSHIP, shipped
+from agents.published import read_card
 from antgym.tuning.agent import Agent
 from experiments.artefacts import prepare, trained_argument
 from experiments.presets import PRESETS
@@ -63,6 +65,7 @@ METHODS = (
     Method("transfer, abs(Λ̂)", "transfer_graph_abs", PROBES),
     COPY,
     Method("mean of the sources", "mean_of_sources"),
+    Method("RL, the shipped policy, no trial", "rl"),
     Method("best static setting", "best_static"),
     Method("published default", "published_default"),
 )
@@ -77,7 +80,8 @@ class Trained(NamedTuple):
     @classmethod
     def make(cls, folder: Path) -> "Trained":
         """Make the files that are missing."""
-        named = [m.agent for m in METHODS if "graph" not in trained_argument(m.agent, folder)]
+        ready = ("graph", "path")  # fitted to every draw's own sources; and shipped
+        named = [m.agent for m in METHODS if not set(ready) & set(trained_argument(m.agent, folder))]
         return cls(folder, prepare(folder, SUITE, PRESETS[PRESET], named))
 
 
@@ -88,6 +92,8 @@ def build(method: Method, graph: TransferGraph, trained: Trained, share: float) 
     before = sum(trained.spent.get(path.name, 0) for path in files.values())
     if "graph" in files:
         given, before = {"graph": graph}, graph.evaluations
+    if "path" in files:
+        given, before = {}, read_card(shipped(FLAGSHIP)).evaluations
     if method.population:
         given["population"] = max(SMALLEST_POPULATION, int(method.population * share))
     return agents.make(method.agent, **given), before
