@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from antgym.planners.parameters import BeeParameters, ColonyParameters
     from antgym.planners.planning import plan, plan_many
     from antgym.planners.rules import Rules
+    from antgym.planners.smoothing import smooth
     from antgym.tuning.agent import tune, tune_together
     from antgym.tuning.problem import TuningProblem
     from antgym.tuning.session import Session
@@ -51,6 +52,7 @@ _HOMES = {
     "plan_many": "antgym.planners.planning",
     "read_discs": "antgym.maps.scenes",
     "read_heights": "antgym.maps.readers",
+    "smooth": "antgym.planners.smoothing",
     "tune": "antgym.tuning.agent",
     "tune_together": "antgym.tuning.agent",
     "voxelise": "antgym.maps.shaping",
@@ -79,6 +81,7 @@ __all__ = [
     "plan_many",
     "read_discs",
     "read_heights",
+    "smooth",
     "tune",
     "tune_together",
     "voxelise",
