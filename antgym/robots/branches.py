@@ -8,6 +8,7 @@ from antgym.robots.chain import Floats
 
 TOLERANCE = 1e-4  # metres that the tool may leave the path half-way between two samples
 LARGEST_STEP = 0.5  # radians that a joint may turn between two samples
+HAIR = 1e-9  # radians of motion that a radian away from 0 at the start counts for: it only decides between equals
 
 
 def least_motion(arm: Arm, points: Floats, choices: list[Floats]) -> Floats:
@@ -21,12 +22,12 @@ def least_motion(arm: Arm, points: Floats, choices: list[Floats]) -> Floats:
         choices: n arrays (c, j) of angles that put it there, none empty.
 
     Returns:
-        (n, j) radians, of least sum of the steps' Euclidean norms.
+        (n, j) radians, of least sum of the steps' Euclidean norms; of equals, the one that begins nearest to 0.
 
     Raises:
         ReachError: if no choice leads from one sample to the next.
     """
-    total, before = np.zeros(len(choices[0])), []
+    total, before = HAIR * np.linalg.norm(choices[0], axis=1), []
     for i in range(1, len(points)):
         reached = total[:, None] + _motion(arm, choices[i - 1], choices[i], (points[i - 1] + points[i]) / 2)
         if not np.isfinite(reached).any():

@@ -15,7 +15,7 @@ from antgym.robots.trajectory import Trajectory, rates
 
 DOWN = np.diag([1.0, -1.0, -1.0])  # the tool's z axis points down, its x axis along the base's
 DOWN.setflags(write=False)
-MOST_SAMPLES = 200_000
+MOST_SAMPLES = 20_000  # some seconds
 
 
 def follow(
@@ -37,7 +37,7 @@ def follow(
     Args:
         arm: who follows.
         points: (n, 3) metres in the base frame, n ≥ 2, joined by straight lines: a planner's path is
-            ``place(scenario.world.centre(plan.path), unit, at)``.
+            ``place(scenario.world.centre(plan.path), scale, at)``.
         tool: (3, 3) rotation of the tool in the base frame, the same all along; straight down by default.
         spacing: metres between samples, at most, > 0.
         margin: how near to a singularity the arm may come, in [0, 1): the sine of the wrist's or the elbow's angle, or
@@ -66,43 +66,55 @@ def follow(
     return Trajectory(arm, times, joints, samples, speeds, float(off.max()), float(arm.margins(joints).min()))
 
 
-def place(points: ArrayLike, unit: float = 1.0, at: ArrayLike = (0.0, 0.0, 0.0), turn: float = 0.0) -> Floats:
+def place(
+    points: ArrayLike, scale: float = 1.0, at: ArrayLike = (0.0, 0.0, 0.0), turn: float = 0.0
+) -> Floats:
     """Return points of a map in the base frame of an arm.
 
     Args:
         points: (n, 3) in the map's unit, as ``scenario.world.centre(plan.path)`` has them.
-        unit: metres in one of the map's units: 0.001 for millimetres.
+        scale: metres in one of the map's units: 0.001 for millimetres.
         at: (3,) metres, where the map's origin lies in the base frame.
         turn: radians that the map is turned about z, anticlockwise from above.
 
     Returns:
         (n, 3) metres.
+
+    Raises:
+        ParameterError: if the scale is not above 0, or anything is not finite.
     """
+    if not (np.isfinite([scale, turn, *np.asarray(at, dtype=np.float64)]).all() and scale > 0):
+        raise ParameterError(
+            f"scale = {scale}, at = {at!r}, turn = {turn}: finite numbers, and a scale above 0"
+        )
     c, s = np.cos(turn), np.sin(turn)
-    turned = np.asarray(points, dtype=np.float64) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return unit * turned + np.asarray(at, dtype=np.float64)
+    turned = _checked_points(points) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return scale * turned + np.asarray(at, dtype=np.float64)
 
 
 def _checked_points(points: ArrayLike) -> Floats:
-    """Return (n, 3) points without those that repeat the one before."""
     array = np.asarray(points, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 3 or not np.isfinite(array).all():
-        raise ParameterError(f"a path is (n, 3) finite points in metres, got shape {array.shape}")
-    array = array[np.append(True, (np.diff(array, axis=0) != 0).any(axis=1))[: len(array)]]
-    if len(array) < 2:
-        raise ParameterError(f"a path has at least two different points, got {len(array)}")
+        raise ParameterError(f"a path is (n, 3) finite points, got shape {array.shape}")
     return array
 
 
 def _sampled(points: Floats, spacing: float) -> tuple[Floats, NDArray[np.int64]]:
-    """Return the points and others between them, at most ``spacing`` apart, and the way-point at or before each."""
+    """Return the points and others between them, at most ``spacing`` apart, and the way-point at or before each.
+
+    Points that repeat the one before are left out, and not counted.
+    """
+    points = points[np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))[: len(points)]]
+    if len(points) < 2:
+        raise ParameterError(f"a path has at least two different points, got {len(points)}")
     along = np.diff(points, axis=0)
     parts = np.ceil(np.linalg.norm(along, axis=1) / spacing)
     parts = np.maximum(parts, 2 if len(along) == 1 else 1)  # rest, something, rest
     if not parts.sum() < MOST_SAMPLES:
         raise ParameterError(
             f"a path of {np.linalg.norm(along, axis=1).sum():.6g} m takes {parts.sum():.6g} samples {spacing:g} m "
-            f"apart, and {MOST_SAMPLES:,} are the most; is it in metres? (unit, --unit)"
+            f"apart, and {MOST_SAMPLES:,} are the most; is it in metres (scale, --scale)? Or space them more widely "
+            "(spacing, --spacing)"
         )
     waypoints = np.repeat(np.arange(len(along)), parts.astype(int))
     share = np.concatenate([np.arange(n) / n for n in parts])
