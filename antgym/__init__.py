@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from antgym.maps.world import GridWorld, Scenario
     from antgym.planners.bee_rules import BeeRules
     from antgym.planners.colony import Colony
+    from antgym.planners.fleet import plan_fleet
     from antgym.planners.hive import Hive
     from antgym.planners.parameters import BeeParameters, ColonyParameters
     from antgym.planners.planning import plan, plan_many
@@ -49,6 +50,7 @@ _HOMES = {
     "jacksboro": "antgym.maps.readers",
     "load_suite": "antgym.maps.suites",
     "plan": "antgym.planners.planning",
+    "plan_fleet": "antgym.planners.fleet",
     "plan_many": "antgym.planners.planning",
     "read_discs": "antgym.maps.scenes",
     "read_heights": "antgym.maps.readers",
@@ -78,6 +80,7 @@ __all__ = [
     "jacksboro",
     "load_suite",
     "plan",
+    "plan_fleet",
     "plan_many",
     "read_discs",
     "read_heights",
