@@ -2,8 +2,9 @@
 
 Robots are placed one after the other. Each follows the path that its colony found, at times that meet nobody who was
 placed before: it is staggered, by waits anywhere on the way. Where that delays it, it is planned again with a safety
-radius blocked around the place where it would have met somebody, a few times, and the earliest arrival counts. A robot
-that cannot be placed at all goes to the front of the order, and everything begins anew.
+radius blocked around the cell that it heads for where it would meet somebody, a few times, and the earliest arrival
+counts. A robot that cannot be placed at all goes to the front of the order, and everything begins anew, now with an eye
+to where later ones still stand.
 """
 
 import math
@@ -87,6 +88,10 @@ class _Fleet(NamedTuple):
     speeds: Floats
     apart: float
 
+    def start(self, robot: int) -> Floats:
+        """Return (1, 3), where a robot starts, in world units."""
+        return self.scenarios[robot].world.centre([self.scenarios[robot].start])
+
 
 def plan_fleet(
     scenarios: Sequence[Scenario],
@@ -131,7 +136,7 @@ def plan_fleet(
         status = f"no ant of robot {lost[0]} arrived"
         return FleetPlan((), (), 0, len(own), alone, float(optima.sum()), status)
     order = np.argsort(-alone, kind="stable").tolist()  # the longest way first
-    paths, plans = _placed(fleet, own, order, rng)
+    paths, plans = _placed(fleet, own, order, False, rng)
     seen = {tuple(order)}
     while len(paths) < len(own) and len(seen) <= min(restarts, math.factorial(len(own)) - 1):
         stuck = order[len(paths)]
@@ -139,7 +144,7 @@ def plan_fleet(
         while tuple(order) in seen:
             order = rng.permutation(len(own)).tolist()
         seen.add(tuple(order))
-        paths, runs = _placed(fleet, own, order, rng)
+        paths, runs = _placed(fleet, own, order, True, rng)
         plans += runs
     found, status = tuple(paths[robot] for robot in sorted(paths)), "solved"
     if len(paths) < len(own):
@@ -151,14 +156,21 @@ def plan_fleet(
 
 
 def _placed(
-    fleet: _Fleet, own: Sequence[Floats | None], order: list[int], rng: np.random.Generator
+    fleet: _Fleet, own: Sequence[Floats | None], order: list[int], wary: bool, rng: np.random.Generator
 ) -> tuple[dict[int, TimedPath], int]:
-    """Return the timed paths of robots in an order, up to the first that cannot be placed, and planner runs."""
+    """Return the timed paths of robots in an order, up to the first that cannot be placed, and planner runs.
+
+    Where they are wary, each keeps away from the starts of those after it, too; only if it cannot, they have to leave.
+    """
     paths: dict[int, TimedPath] = {}
     plans = 0
-    for robot in order:
-        path, runs = _place(fleet, robot, own[robot], list(paths.values()), rng)
-        plans += runs
+    for i, robot in enumerate(order):
+        starts = [TimedPath(fleet.start(later), np.zeros(1)) for later in order[i + 1 :]] if wary else []
+        for company in ([*paths.values(), *starts], [*paths.values()])[: 2 if starts else 1]:
+            path, runs = _place(fleet, robot, own[robot], company, rng)
+            plans += runs
+            if path is not None:
+                break
         if path is None:
             break
         paths[robot] = path
@@ -170,7 +182,7 @@ def _place(
 ) -> tuple[TimedPath | None, int]:
     """Return what arrives first of a robot's own path and some around places of conflict, and planner runs.
 
-    None where none of them keeps clear of others, or no ant arrived.
+    None where none of them keeps clear of others.
     """
     best, runs, scenario = None, 0, fleet.scenarios[robot]
     while points is not None:
@@ -181,7 +193,8 @@ def _place(
         met = [time for other in others if (time := meeting(even, other, fleet.apart - ROUNDING)) is not None]
         if runs == DETOURS or not met:
             break
-        scenario = _around(scenario, even.at(min(met)), fleet.apart)
+        heading_for = points[np.searchsorted(even.times, min(met)).clip(max=len(points) - 1)]
+        scenario = _around(scenario, heading_for, fleet.apart)
         (points,) = _planned(fleet, [scenario], rng)
         runs += 1
     return best, runs
