@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from antgym.maps.world import GridWorld, Scenario
     from antgym.planners.bee_rules import BeeRules
     from antgym.planners.colony import Colony
+    from antgym.planners.fleet import plan_fleet
     from antgym.planners.hive import Hive
     from antgym.planners.parameters import BeeParameters, ColonyParameters
     from antgym.planners.planning import plan, plan_many
     from antgym.planners.rules import Rules
+    from antgym.planners.smoothing import smooth
     from antgym.tuning.agent import tune, tune_together
     from antgym.tuning.problem import TuningProblem
     from antgym.tuning.session import Session
@@ -48,9 +50,11 @@ _HOMES = {
     "jacksboro": "antgym.maps.readers",
     "load_suite": "antgym.maps.suites",
     "plan": "antgym.planners.planning",
+    "plan_fleet": "antgym.planners.fleet",
     "plan_many": "antgym.planners.planning",
     "read_discs": "antgym.maps.scenes",
     "read_heights": "antgym.maps.readers",
+    "smooth": "antgym.planners.smoothing",
     "tune": "antgym.tuning.agent",
     "tune_together": "antgym.tuning.agent",
     "voxelise": "antgym.maps.shaping",
@@ -76,9 +80,11 @@ __all__ = [
     "jacksboro",
     "load_suite",
     "plan",
+    "plan_fleet",
     "plan_many",
     "read_discs",
     "read_heights",
+    "smooth",
     "tune",
     "tune_together",
     "voxelise",

@@ -1,4 +1,4 @@
-"""The command ``antgym``: plan a map of one's own, list the environments, measure the planner.
+"""The command ``antgym``: plan a map of one's own, let an arm follow, list the environments, measure the planner.
 
 Exit codes: 0 done, 1 no ant arrived, 2 unusable input (one line says what and what to do), 130 stopped by Ctrl-C.
 Everything heavy is imported by the subcommand that needs it, so that ``antgym --help`` is quick.
@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -59,8 +59,45 @@ class PlanFile(MapFile):
     """Iterations."""
     seed: int = 0
     """The same seed gives the same path on every machine."""
+    smooth: Literal["shortcut", "spline"] | None = None
+    """Smooth the path: shortcut, straight lines between some of its cells, or spline, these with their corners rounded;
+    written as OUT.smooth.csv. It enters no blocked cell."""
     out: Path | None = None
     """Write OUT.csv, OUT.json and OUT.png."""
+    picture: bool = True
+    """Whether OUT.png is among them; it needs matplotlib."""
+
+
+@dataclass(frozen=True)
+class ArmFile:
+    """Let a robot arm follow a planned path: joint angles over time, by the branch of the inverse that moves least.
+
+    antgym plan MAP … --smooth spline --out way, then antgym arm way.smooth.csv --scale 0.001 --at 0.3 -0.15 0.2.
+    Points out of reach, past joint limits or near a singularity are named; whether links hit anything is not checked.
+    """
+
+    file: tyro.conf.Positional[Path]
+    """Way-points: a CSV file with columns x, y, z, as antgym plan writes it."""
+    arm: str = "lr_mate_200id"
+    """Who follows; an unknown name lists them all."""
+    scale: float = 1.0
+    """Metres in one of the file's units: 0.001 for millimetres."""
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where the map's origin lies in the arm's base frame, x y z in metres."""
+    turn: float = 0.0
+    """Degrees that the map is turned about the base's z axis, anticlockwise from above."""
+    tool: tuple[float, float, float] = (180.0, 0.0, 0.0)
+    """How the tool is held: roll, pitch, yaw in degrees about the base's x, y, z; straight down by default."""
+    spacing: float = 0.002
+    """Metres between samples, at most; the tool may leave the path between them by 0.1 mm."""
+    margin: float = 0.05
+    """How near to a singularity the arm may come, from 0 to 1: sine of wrist or elbow, or share of the reach."""
+    speed: float = 0.25
+    """Of the tool, metres per second; joints may be slower."""
+    acceleration: float = 1.0
+    """Of the tool, metres per second², along the path and where it turns."""
+    out: Path | None = None
+    """Write OUT.csv, seconds and radians and metres, and OUT.png."""
     picture: bool = True
     """Whether OUT.png is among them; it needs matplotlib."""
 
@@ -90,6 +127,7 @@ class Bench:
 
 Command = (
     Annotated[PlanFile, tyro.conf.subcommand("plan")]
+    | Annotated[ArmFile, tyro.conf.subcommand("arm")]
     | Annotated[Envs, tyro.conf.subcommand("envs")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
@@ -139,11 +177,20 @@ def plan(arguments: PlanFile) -> int:
     return plan_file(arguments)
 
 
+def arm(arguments: ArmFile) -> int:
+    """Let the arm follow the file, print what it takes, write the files."""
+    from antgym.arm_file import arm_file
+
+    return arm_file(arguments)
+
+
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit code; raises AntgymError for unusable input."""
     command = console.parse(Command, arguments, "antgym")
     if isinstance(command, PlanFile):
         return plan(command)
+    if isinstance(command, ArmFile):
+        return arm(command)
     return envs(command) if isinstance(command, Envs) else bench(command)
 
 

@@ -19,6 +19,10 @@ class ParameterError(AntgymError):
     """A planner parameter, action or setting outside its range, or an unknown name."""
 
 
+class ReachError(AntgymError):
+    """A path that an arm cannot follow: out of reach, past joint limits, near a singularity, or with a jump."""
+
+
 class BudgetError(AntgymError):
     """A budget that is not positive, or an attempt to spend what is already spent."""
 

@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,6 +23,7 @@ from antgym.maps.world import Cell, GridWorld, Scenario
 from antgym.planners.colony import Plan, plan
 from antgym.planners.parameters import LIMITS, ColonyParameters
 from antgym.planners.rules import find_rules
+from antgym.planners.smoothing import SmoothPath, smooth
 
 if TYPE_CHECKING:
     from antgym.cli import MapFile, PlanFile
@@ -37,7 +39,7 @@ class Terrain(NamedTuple):
     heights: NDArray[np.float64]
     floor: float
 
-    def coordinates(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    def coordinates(self, cells: NDArray[Any]) -> NDArray[np.float64]:
         """Return the centres of (n, 3) cells: x, y from the file's corner, z its elevation, in its unit."""
         return self.world.centre(cells) + np.array([0.0, 0.0, self.floor])
 
@@ -57,6 +59,20 @@ class Found:
     def gap(self) -> float | None:
         """(L − L*) / L*; None where no ant arrived."""
         return self.plan.length / self.scenario.optimum - 1 if self.plan.solved else None
+
+    @cached_property
+    def smoothed(self) -> SmoothPath | None:
+        """The path smoothed; None where no ant arrived, or nobody asked for it."""
+        if self.command.smooth is None or not self.plan.solved:
+            return None
+        return smooth(self.plan.path, self.scenario, self.command.smooth)
+
+    @property
+    def smooth_points(self) -> NDArray[np.float64]:
+        """(n, 3) of the smoothed path, as ``Terrain.coordinates`` has them; (0, 3) without one."""
+        if self.smoothed is None:
+            return np.empty((0, 3))
+        return self.terrain.coordinates(self.smoothed.points / np.array(self.scenario.world.cell) - 0.5)
 
 
 def plan_file(command: "PlanFile") -> int:
@@ -168,11 +184,19 @@ def report(found: Found) -> str:
         f"length   {length}\n"
         f"optimum  {found.scenario.optimum:.6g}\n"
         f"{gap}"
+        f"{_smooth_line(found.smoothed)}"
         f"arrived  {int(done.arrived.sum()):,} of {command.ants * command.iterations:,} ants\n"
         f"seconds  {found.seconds:.4f}\n"
         f"setting  --motion {command.motion} --rules {command.rules} {values} {effort}"
     )
     return lines if done.solved else f"{lines}\nhint     {hint(found)}"
+
+
+def _smooth_line(path: SmoothPath | None) -> str:
+    """Return the line that tells what smoothing gained, where there was any."""
+    if path is None:
+        return ""
+    return f"smooth   {path.length:.6g}, {1 - path.length / path.before:.2%} shorter, {len(path.points)} points\n"
 
 
 def hint(found: Found) -> str:
@@ -196,6 +220,9 @@ def files(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> di
             json.dumps({**_record(found, points), **(more or {})}, indent=2) + "\n"
         ).encode(),
     }
+    if found.smoothed is not None:
+        smooth_rows = (",".join(map(repr, point)) for point in found.smooth_points.tolist())
+        written[_beside(stem, ".smooth.csv")] = "\n".join(("x,y,z", *smooth_rows, "")).encode()
     if found.command.picture:
         written[_beside(stem, ".png")] = picture(found)
     return written
@@ -229,6 +256,14 @@ def _record(found: Found, points: NDArray[np.float64]) -> dict[str, Any]:
         "goal": found.scenario.goal,
         "cells": done.path.tolist(),
         "points": points.tolist(),
+        "smoothed": None
+        if found.smoothed is None
+        else {
+            "method": found.smoothed.method,
+            "before": found.smoothed.before,
+            "length": found.smoothed.length,
+            "points": found.smooth_points.tolist(),
+        },
     }
 
 
@@ -252,6 +287,9 @@ def picture(found: Found) -> bytes:
     image = above.imshow(terrain.heights.T, origin="lower", extent=(0, nx * dx, 0, ny * dy), cmap="terrain")
     figure.colorbar(image, ax=above, label="height")
     above.plot(points[:, 0], points[:, 1], color="crimson")
+    if found.smoothed is not None:
+        above.plot(*found.smooth_points[:, :2].T, color="black", lw=1, label="smoothed")
+        above.legend(fontsize="small")
     ground = terrain.heights[tuple(found.plan.path[:, :2].T)] + found.command.rise
     side.fill_between(points[:, 0], ground, terrain.floor, color="0.7", label="ground below the path, raised")
     side.plot(points[:, 0], points[:, 2], color="crimson", label="path")

@@ -72,6 +72,12 @@ def test_layers_import_only_what_lies_below_them(file):
             assert rest[0] in (*reachable, "errors"), f"{file} imports {module}"
 
 
+@pytest.mark.parametrize("file", [f for f in FILES if f.parts[0] == "robots"], ids=str)
+def test_robots_take_paths_as_arrays_and_import_no_layer(file):
+    ours = {module.split(".")[1] for module in imports(file) if module.startswith("antgym.")}
+    assert ours <= {"errors", "robots"}
+
+
 @pytest.mark.parametrize("file", [f for f in FILES if f.parts[0] == "kernels"], ids=str)
 def test_kernels_import_nothing_of_antgym(file):
     for module in imports(file):
