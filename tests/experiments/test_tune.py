@@ -141,19 +141,13 @@ def test_a_trained_agent_without_its_file_names_the_command_that_makes_it(tmp_pa
         tune.run(arguments(tmp_path, agent="neighbours"))
     with pytest.raises(ParameterError, match=r"is not there.*experiments\.artefacts portfolio --out"):
         tune.run(arguments(tmp_path, agent="portfolio", artefacts=tmp_path))
-    with pytest.raises(ParameterError, match=r"experiments\.train PPO --out out/trained/policy"):
-        tune.run(arguments(tmp_path, agent="rl"))
+    with pytest.raises(ParameterError, match=r"experiments\.train PPO --out \S+/policy; then"):
+        tune.run(arguments(tmp_path, agent="rl", artefacts=tmp_path))
 
 
-def test_a_policy_that_is_shipped_needs_no_folder(tmp_path, monkeypatch):
+def test_a_policy_that_is_shipped_needs_no_folder(tmp_path):
     pytest.importorskip("sb3_contrib")
     pytest.importorskip("safetensors")
-    from blank_models import blank_model
-
-    from agents.networks import export
-
-    monkeypatch.setattr("agents.policy.SHIPPED", tmp_path / "shipped")
-    export(blank_model(), tmp_path / "shipped" / "open-one-shot")
     for budget in (0, 2):
         tune.run(arguments(tmp_path / str(budget), agent="rl", budget=budget))
         assert (tmp_path / str(budget) / "way.json").exists()
