@@ -28,6 +28,7 @@ class Card(NamedTuple):
 
 _OPTUNA, _TRANSFER = "agents.bayesian:OptunaSearch", "agents.transfer:TransferAgent"
 _PYMOO, _CMAES = ("pymoo",), ("optuna", "cmaes")
+_RL = ("safetensors", "sb3-contrib", "stable-baselines3", "torch")
 _CARDS = (
     Card(
         "best_static",
@@ -229,7 +230,16 @@ _CARDS = (
         "published policy (stable-baselines3), no trial, or trials that it picks one by one",
         "rl",
         trained=True,
-        libraries=("safetensors", "sb3-contrib", "stable-baselines3", "torch"),
+        libraries=_RL,
+    ),
+    Card(
+        "rl_committee",
+        "agents.committee:CommitteeAgent",
+        {},
+        "the mean of what several published policies recommend, no trial",
+        "rl",
+        trained=True,
+        libraries=_RL,
     ),
 )
 CATALOGUE: dict[str, Card] = {card.name: card for card in _CARDS}

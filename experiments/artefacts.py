@@ -17,7 +17,8 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
-from agents import policy
+from agents import committee, policy
+from agents.committee import Committee
 from agents.experience import Experience
 from agents.fitting import trials_needed
 from agents.graph import TransferGraph
@@ -50,8 +51,11 @@ ARGUMENTS = {
     "agents.warm_start:WarmCmaEs": ("experience", "experience.json"),
     "agents.transfer_gp:TransferGP": ("experience", "experience.json"),
     "agents.policy:PolicyAgent": ("path", "policy.json"),
+    "agents.committee:CommitteeAgent": ("path", "committee.json"),
 }
 """Which argument of a trained agent takes which file."""
+FLAGSHIPS = {"policy.json": policy.FLAGSHIP, "committee.json": committee.FLAGSHIP}
+"""Which of these files come with antgym, and by what name."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,7 @@ def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
         "graph.json": lambda path: TransferGraph.load(path).evaluations,
         "experience.json": lambda path: Experience.load(path).evaluations,
         "policy.json": _policy_evaluations,
+        "committee.json": Committee.evaluations,
     }
     return {name: evaluations[kind](folder / name) for name, kind in sorted(_files(names).items())}
 
@@ -115,15 +120,15 @@ def _file(name: str, kind: str) -> str:
 def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
     """Return the keyword argument by which an agent finds its file; empty where it needs none.
 
-    Without a folder it is the policy that comes with antgym, for ``rl`` and if there is one, or a file of TRAINED.
+    Without a folder it is what comes with antgym, for ``rl`` and ``rl_committee``, or a file of TRAINED.
     """
     card = agents.find_card(name)
     if not card.trained:
         return {}
     argument, kind = ARGUMENTS[card.entry_point]
     file = _file(name, kind)
-    flagship = policy.SHIPPED / f"{policy.FLAGSHIP}.json"
-    if folder is None and file == "policy.json" and flagship.exists():
+    flagship = policy.SHIPPED / f"{FLAGSHIPS.get(file)}.json"
+    if folder is None and flagship.exists():
         return {argument: flagship}
     return {argument: (folder or TRAINED) / file}
 

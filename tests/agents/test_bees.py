@@ -16,7 +16,7 @@ MODULES = {"scikit-learn": "sklearn"}
 NAMES = [
     pytest.param(name, marks=pytest.mark.slow) if name == "optuna_gp" else name
     for name in agents.CATALOGUE
-    if name != "rl"
+    if not name.startswith("rl")
 ]
 
 

@@ -19,7 +19,7 @@ SLOW = ("optuna_gp",)
 NAMES = [
     pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
     for name in agents.CATALOGUE
-    if name != "rl"
+    if not name.startswith("rl")
 ]
 LEARNT = ("portfolio", "neighbours", "regression", "cma_es_warm", "transfer_gp")
 SEARCHING = [f"agents.{module}" for module in ("bayesian", "controls", "covariance", "evolutionary")]
@@ -214,7 +214,6 @@ def test_experience_beats_the_default_without_a_trial(name, experience, bowl):
     ("name", "argument"),
     [
         ("transfer_graph", "graph"),
-        ("rl", "path"),
         ("portfolio", "experience"),
         ("best_static_by_rules", "settings"),
     ],

@@ -1,0 +1,64 @@
+"""A committee recommends the mean of its members, and reads nothing but policies beside its own file."""
+
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip("sb3_contrib", reason="needs the extra rl")
+pytest.importorskip("safetensors", reason="needs the extra rl")
+
+from blank_models import blank_model
+
+import agents
+from agents.committee import Committee
+from agents.networks import export
+from agents.policy import PolicyAgent
+from antgym.errors import ParameterError
+from antgym.tuning import tune
+from experiments.artefacts import spent
+
+
+@pytest.fixture
+def seated(tmp_path):
+    """Three policies beside each other, and a committee of two of them."""
+    for seed in range(3):
+        export(blank_model(seed=seed), tmp_path / f"seed-{seed}", evaluations=100 + seed)
+    Committee(("seed-0", "seed-2")).save(tmp_path / "committee.json")
+    return tmp_path
+
+
+def test_it_recommends_the_mean_of_its_members_and_runs_nothing(seated, bowl):
+    session = bowl(5)
+    found = tune(agents.make("rl_committee", path=seated / "committee.json"), session, seed=0)
+    members = [tune(PolicyAgent(seated / f"seed-{i}"), bowl(5), seed=0).recommendation for i in (0, 2)]
+    assert found.recommendation == pytest.approx(np.mean(members, axis=0))
+    assert found.recommendation.tolist() != members[0].tolist()
+    assert not found.trials
+    assert session.left == 5
+
+
+def test_it_is_charged_for_all_of_its_members(seated):
+    assert spent(seated, ["rl_committee"]) == {"committee.json": 100 + 102}
+
+
+def test_a_member_that_picks_trials_is_refused(seated):
+    export(blank_model(size=80), seated / "seed-2", regime="Trials", window=1)
+    with pytest.raises(ParameterError, match="seed-2 is a policy of Trials, not OneShot"):
+        agents.make("rl_committee", path=seated / "committee.json")
+
+
+@pytest.mark.parametrize(
+    "members", [[], ["seed-0", "seed-0"], ["../seed-0"], ["/etc/passwd"], [3], "seed-0", None]
+)
+def test_members_are_names_in_the_same_folder(seated, members):
+    path = seated / "committee.json"
+    path.write_text(json.dumps({"format": "antgym committee 1", "members": members}))
+    with pytest.raises(ParameterError, match=r"committee\.json"):
+        agents.make("rl_committee", path=path)
+
+
+def test_a_member_that_is_not_there_is_named(seated):
+    (seated / "seed-2.json").unlink()
+    with pytest.raises(ParameterError, match="seed-2"):
+        agents.make("rl_committee", path=seated / "committee.json")
