@@ -63,7 +63,7 @@ def read_ground(
         rise: likewise.
         fill: likewise.
         relief: of a picture, the heights of black and white.
-        pixel: of a picture, the edge of a pixel.
+        pixel: distance between samples, in the unit of the heights, instead of the file's.
 
     Raises:
         MapError: as for :func:`antgym.read_heights` and :func:`over`.

@@ -26,10 +26,10 @@ class Kind(NamedTuple):
     options: tuple[str, ...] = ()
 
 
-_GROUND = ("levels", "rise", "fill")
+_GROUND = ("levels", "rise", "fill", "pixel")
 _HEIGHTS = Kind(ground.read_ground, _GROUND)
 _PICTURE = Kind(camera.read_picture, ("pixel", "cell", "threshold", "negate", "crop", "relief"))
-_RELIEF = Kind(ground.read_ground, (*_GROUND, "relief", "pixel"))
+_RELIEF = Kind(ground.read_ground, (*_GROUND, "relief"))
 
 KINDS: dict[str, Kind] = {
     ".map": Kind(movingai.read_movingai),
@@ -55,11 +55,11 @@ def read_map(path: str | Path, radius: float = 0.0, **options: Any) -> Map:
     Args:
         path: the file.
         radius: of the robot, in the map's unit: obstacles are grown by it.
-        **options: of elevations ``levels``, ``rise`` and ``fill``, see :func:`antgym.maps.ground.over`; of pictures
-            ``pixel``, ``cell``, ``threshold``, ``negate`` and ``crop``, see :func:`antgym.maps.camera.read_picture`, or
-            ``relief``, the heights of black and white, with ``pixel`` and those of elevations; of ROS maps ``ros``, 1
-            or 2; of OctoMaps ``unknown``, ``"blocked"`` or ``"free"``; of scenes ``cell``. Options that are None are
-            left out.
+        **options: of elevations ``levels``, ``rise``, ``fill`` and ``pixel``, see
+            :func:`antgym.maps.ground.read_ground`; of pictures ``pixel``, ``cell``, ``threshold``, ``negate`` and
+            ``crop``, see :func:`antgym.maps.camera.read_picture`, or ``relief``, the heights of black and white, with
+            those of elevations; of ROS maps ``ros``, 1 or 2; of OctoMaps ``unknown``, ``"blocked"`` or ``"free"``; of
+            scenes ``cell``. Options that are None are left out.
 
     Raises:
         MapError: if the file is missing, damaged, too large or of no such kind, or an option is unknown to its kind; it

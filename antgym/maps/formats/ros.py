@@ -1,9 +1,9 @@
 """ROS: map_server's and nav2's maps, a yaml file beside a picture.
 
-A pixel's occupancy is p = (255 - grey) / 255, or grey / 255 where the map is negated. Only what is known to be free is
-free here: unknown cells are blocked. ROS 1 (map_server, image_loader.cpp) takes p < free_thresh, and alpha into the mean
-of the channels; ROS 2 (nav2, map_io.cpp) takes p <= free_thresh, and any transparency as unknown. Image row 0 is the top,
-the map's row 0 the bottom; ``origin`` is the pose of the lower left corner.
+A pixel's occupancy is p = (255 - grey) / 255, or grey / 255 where the map is negated. Only what is known to be free
+is free here: unknown cells are blocked. ROS 1 (map_server, image_loader.cpp) takes p < free_thresh, and alpha into the
+mean of the channels; ROS 2 (nav2, map_io.cpp) takes p <= free_thresh, and any transparency as unknown. Image row 0 is
+the top, the map's row 0 the bottom; ``origin`` is the pose of the lower left corner.
 """
 
 from pathlib import Path
@@ -166,6 +166,7 @@ def ros_bytes(world: GridWorld, frame: Frame, image: str) -> tuple[bytes, bytes]
     """
     require_square(world, flat=True)
     x, y, _ = frame.origin
-    yaml = f"image: {image}\nresolution: {world.cell[0]!r}\norigin: [{x!r}, {y!r}, {frame.yaw!r}]\nnegate: 0\n{_THRESHOLDS}"
+    pose = f"resolution: {world.cell[0]!r}\norigin: [{x!r}, {y!r}, {frame.yaw!r}]\n"
+    yaml = f"image: {image}\n{pose}negate: 0\n{_THRESHOLDS}"
     levels = np.where(world.free[:, ::-1, 0].T, np.uint8(_FREE), np.uint8(_OCCUPIED))
     return yaml.encode(), encoded(np.ascontiguousarray(levels), "PPM")

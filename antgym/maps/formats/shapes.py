@@ -1,8 +1,9 @@
 """Shapes: scenes of circles, rectangles, boxes and spheres as JSON, cut into cells.
 
-A scene has bounds, ``bounds_xmin_xmax_ymin_ymax`` or, in space, ``bounds`` (least x, y, z, greatest x, y, z), and any of
-``circles_x_y_r``, ``rects_x_y_w_h``, ``boxes_min_max`` and ``spheres`` (x, y, z, r). A cell is blocked where a shape
-reaches into it. Scenes of discs alone can also be planned as they are, by bees: :func:`antgym.read_discs`.
+A scene has ``circles_x_y_r`` and ``rects_x_y_w_h`` within ``bounds_xmin_xmax_ymin_ymax``, or in space
+``boxes_min_max`` and ``spheres`` (x, y, z, r) within ``bounds`` (least x, y, z, greatest x, y, z). A cell is blocked
+where a shape reaches into it. Scenes of discs alone can also be planned as they are, by bees:
+:func:`antgym.read_discs`. Where a flat scene gives no bounds, they are a box about its shapes and ends.
 """
 
 import json
@@ -49,20 +50,23 @@ def read_shapes(path: Path, cell: float | None = None) -> Map:
         MapError: if the file is missing, no JSON or no scene, or would be too many cells.
     """
     scene = _scene(path)
-    key = FLAT if FLAT in scene else SOLID
-    axes = 2 if key == FLAT else 3
-    (bounds,) = _rows([scene[key]], 2 * axes, f"{path}: {key}")
-    low, high = (bounds[::2], bounds[1::2]) if axes == 2 else (bounds[:3], bounds[3:])
+    found = {
+        name: _shapes(name, _rows(scene[name], count, f"{path}: {name}"))
+        for name, count in _NUMBERS.items()
+        if name in scene
+    }
+    low, high = _bounds(scene, found, path)
+    axes = len(low)
     edge = float((high - low).max()) / CELLS if cell is None else cell
     if not ((high > low).all() and math.isfinite(edge) and edge > 0):
-        raise MapError(f"{path}: {key} = {scene[key]}, cell = {cell}: must enclose an area, cut into cells")
-    shape = [int(side) for side in np.minimum(np.ceil((high - low) / edge - _NEARLY), 1e12)]
-    require_cells(shape, f"{path}: {key} in cells of {edge:g}")
+        raise MapError(f"{path}: bounds {low} to {high}, cell = {cell}: must enclose an area, cut into cells")
+    with np.errstate(over="ignore"):
+        shape = [int(side) for side in np.minimum(np.ceil((high - low) / edge - _NEARLY), 1e12)]
+    require_cells(shape, f"{path}: in cells of {edge:g}")
     blocked, looked_at = np.zeros(shape, bool), 0
-    for name in (name for name in _NUMBERS if name in scene):
-        shapes = _shapes(name, _rows(scene[name], _NUMBERS[name], f"{path}: {name}"))
+    for name, shapes in found.items():
         if shapes.low.shape[1] != axes:
-            raise MapError(f"{path}: {name} do not fit {key}: one lies in the plane, the other in space")
+            raise MapError(f"{path}: {name} do not fit the bounds: one lies in the plane, the other in space")
         for i in range(len(shapes.low)):
             looked_at += _block(blocked, shapes, i, low, edge)
             if looked_at > MOST_WORK:
@@ -81,12 +85,29 @@ def _scene(path: Path) -> dict[str, Any]:
         raise
     except (RecursionError, ValueError) as error:  # nested too deep, or a number of too many digits
         raise MapError(f"{path}: not JSON ({error})") from None
-    if not isinstance(scene, dict) or (FLAT not in scene and SOLID not in scene):
-        raise MapError(f"{path}: a scene is a JSON object with {FLAT}, or {SOLID}")
+    if not isinstance(scene, dict) or not {*_NUMBERS, FLAT, SOLID} & set(scene):
+        raise MapError(f"{path}: a scene is a JSON object with {FLAT}, or {SOLID}, and {', '.join(_NUMBERS)}")
     for key in scene:
         if key.startswith(("circles", "rects", "boxes", "spheres", "polygons")) and key not in _NUMBERS:
             raise MapError(f"{path}: unknown shapes {key[:60]!r}; known: {', '.join(_NUMBERS)}")
     return scene
+
+
+def _bounds(scene: dict[str, Any], found: dict[str, _Shapes], path: Path) -> tuple[Floats, Floats]:
+    """Return the least and the greatest corner of a scene."""
+    if FLAT in scene:
+        (bounds,) = _rows([scene[FLAT]], 4, f"{path}: {FLAT}")
+        return bounds[::2], bounds[1::2]
+    if SOLID in scene:
+        (bounds,) = _rows([scene[SOLID]], 6, f"{path}: {SOLID}")
+        return bounds[:3], bounds[3:]
+    flat = [shapes for shapes in found.values() if shapes.low.shape[1] == 2]
+    ends = _rows([scene[end] for end in ("start", "goal") if end in scene], 2, f"{path}: start, goal")
+    corners = np.concatenate([ends, *(part for shapes in flat for part in (shapes.low, shapes.high))])
+    if len(flat) < len(found) or not len(corners):
+        raise MapError(f"{path}: {SOLID} is missing: a scene in space needs it")
+    margin = (corners.max(axis=0) - corners.min(axis=0)).max() / 20
+    return corners.min(axis=0) - margin, corners.max(axis=0) + margin
 
 
 def _rows(value: Any, count: int, place: str) -> Floats:
