@@ -87,11 +87,11 @@ def otsu(grey: NDArray[np.floating]) -> float:
     return float(best[0] + best[-1]) / 2 + 1
 
 
-def coverage(dark: NDArray[np.bool_], edge: float) -> Floats:
+def coverage(dark: NDArray[np.generic], edge: float) -> Floats:
     """Return the covered share of every cell, by exact area.
 
     Args:
-        dark: (w, h) pixels.
+        dark: (w, h) pixels, true where covered, or the share of each that is.
         edge: of a cell in pixels, 1 or more, whole or not.
 
     Returns:

@@ -7,11 +7,8 @@ from typing import Any, NamedTuple
 from antgym.errors import MapError, nearest
 from antgym.maps import camera, ground
 from antgym.maps.formats import movingai, octomap, pictures, ros, shapes, voxels
-from antgym.maps.formats.elevation import HeightField, jacksboro, read_heights
 from antgym.maps.formats.movingai import Rows
 from antgym.maps.map import Map
-
-__all__ = ["KINDS", "HeightField", "jacksboro", "read_heights", "read_map", "read_scenarios", "suffix_of"]
 
 
 class Kind(NamedTuple):

@@ -52,15 +52,24 @@ def read_ros(path: Path, ros: int = 2) -> Map:
     """
     if ros not in (1, 2):
         raise MapError(f"{path}: ros = {ros}: the rules of ROS 1 or of ROS 2")
-    values = _values(path)
-    for key in REQUIRED:
-        if key not in values:
-            raise MapError(f"{path}: the key {key!r} is missing; found {', '.join(values) or 'none'}")
+    values = _required(_values(path), path)
     resolution = _positive(values["resolution"])
     x, y, yaw = _origin(values["origin"])
     free = _free(pixels(_image(path, values["image"])), _terms(values, ros))
     world = GridWorld(free[::-1].T, (resolution, resolution, resolution))
     return Map(world, Motion("grid8"), Frame((x, y, 0.0), yaw, "m"), path.name, f"ROS {ros} map")
+
+
+def picture_of(path: Path) -> Path:
+    """Return the picture of a map's yaml file; errors as for :func:`read_ros`."""
+    return _image(path, _required(_values(path), path)["image"])
+
+
+def _required(values: Values, path: Path) -> Values:
+    for key in REQUIRED:
+        if key not in values:
+            raise MapError(f"{path}: the key {key!r} is missing; found {', '.join(values)[:80] or 'none'}")
+    return values
 
 
 def _values(path: Path) -> Values:
