@@ -36,7 +36,9 @@ def drawn(map_: Map, title: str, path: Cells = _NOWHERE, ends: Cells = _NOWHERE,
     except ImportError:
         raise MissingExtraError("matplotlib", "viz") from None
     flat = map_.world.shape[2] == 1
-    figure = Figure(figsize=(7, 7), layout="constrained")
+    across, along, _ = np.multiply(map_.world.shape, map_.world.cell).tolist()
+    height = min(max(7 * along / across, 3.0), 9.0) + 0.8 + (0 if flat else 2.0)
+    figure = Figure(figsize=(7, height), layout="constrained")
     above, side = (figure.subplots(), None) if flat else figure.subplots(2, 1, height_ratios=(3, 1)).tolist()
     points, marks = (_within(map_, cells) for cells in (path, ends))
     _draw_above(above, map_)
@@ -96,11 +98,12 @@ def letters(map_: Map, ends: Cells = _NOWHERE) -> str:
 
     A letter is twice as high as it is wide. ``S`` and ``G`` are the ends. Margins where nothing is free are cut off.
     """
-    free = map_.world.free.any(axis=2)
-    columns, rows = (np.flatnonzero(free.any(axis=1 - axis)) for axis in (0, 1))
+    columns, rows, _ = map_.world.free.nonzero()
     if not len(columns):
         return "(nothing is free)"
-    (left, right), (bottom, top) = ((max(places[0] - 1, 0), places[-1] + 2) for places in (columns, rows))
+    (left, right), (bottom, top) = (
+        (max(places.min() - 1, 0), places.max() + 2) for places in (columns, rows)
+    )
     shade = _darkness(map_)[left:right, bottom:top]
     edge = max(1.0, max(shade.shape) / COLUMNS)
     shade = coverage(shade, edge)

@@ -148,9 +148,10 @@ def report(found: Found) -> str:
         if filled and filled.left
         else ""
     )
+    unit = {"cells": ""}.get(found.question.map.frame.unit, f" {found.question.map.frame.unit}")
     lines = (
         f"world    {' x '.join(str(n) for n in scenario.world.shape)} cells of "
-        f"{' x '.join(f'{edge:g}' for edge in scenario.world.cell)} {found.question.map.frame.unit}, "
+        f"{' x '.join(f'{edge:g}' for edge in scenario.world.cell)}{unit}, "
         f"{scenario.start} to {scenario.goal}\n"
         f"{'' if filled is None else f'convex   {filled.cells:,} cells filled{left}' + chr(10)}"
         f"length   {length}\n"

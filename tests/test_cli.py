@@ -13,7 +13,7 @@ from antgym import cli, console, listing, plan_file
 from antgym.envs.cards import load_card, summary
 from antgym.envs.catalogue import CATALOGUE
 from antgym.errors import AntgymError, MapError
-from antgym.maps.readers import HeightField
+from antgym.maps.formats.elevation import HeightField
 from antgym.maps.recipes import SUITES
 from antgym.maps.world import Scenario
 from antgym.planners.colony import plan

@@ -8,12 +8,12 @@ taken as they are stored.
 import importlib.util
 import itertools
 import math
+import warnings
 import zipfile
-import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -30,18 +30,6 @@ KEYS = ("elevation", "heights", "topo")
 
 _Array = NDArray[Any]
 _Line = tuple[int, list[str]]
-# what numpy and zipfile raise on damaged, truncated, encrypted or pickled files
-_DAMAGE = (
-    OSError,
-    ValueError,
-    EOFError,
-    MemoryError,
-    OverflowError,
-    RuntimeError,
-    TokenError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,11 +108,21 @@ def _north_up(picture: _Array) -> _Array:
 
 
 def _read_npy(path: Path) -> HeightField:
-    try:
+    with _damage_told(path, ".npy"):
         array = np.lib.format.open_memmap(path, mode="r")  # nothing is allocated for a header that lies
-    except _DAMAGE as error:
-        raise MapError(f"{path}: not a readable .npy file of numbers ({error})") from None
     return HeightField(_bounded(array, path), (1.0, 1.0), str(path))
+
+
+@contextmanager
+def _damage_told(path: Path, kind: str) -> Iterator[None]:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of headers that Python 2 wrote
+            yield
+    except (
+        Exception
+    ) as error:  # of damaged, encrypted or pickled files, numpy and zipfile raise what they like
+        raise MapError(f"{path}: not a readable {kind} file of numbers ({error})") from None
 
 
 def _read_npz(path: Path) -> HeightField:
@@ -141,15 +139,13 @@ def _read_npz(path: Path) -> HeightField:
 
 
 def _load_npz(path: Path) -> dict[str, _Array]:
-    try:
+    with _damage_told(path, ".npz"):
         with zipfile.ZipFile(path) as archive:
             size = sum(member.file_size for member in archive.infolist())
         if size > 8 * MAX_SAMPLES:
             raise ValueError(f"it unpacks to {size:,} bytes, more than {8 * MAX_SAMPLES:,}")
         with np.load(path, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
-    except _DAMAGE as error:
-        raise MapError(f"{path}: not a readable .npz file of numbers ({error})") from None
 
 
 def _scalar(arrays: dict[str, _Array], name: str, path: Path) -> float:

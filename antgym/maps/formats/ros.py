@@ -77,25 +77,27 @@ def _values(path: Path) -> Values:
         import yaml
     except ImportError:
         raise MissingExtraError("PyYAML", "maps") from None
-    loader = yaml.SafeLoader(text(path, MOST_YAML))
+    written = text(path, MOST_YAML)
     try:
+        loader = yaml.SafeLoader(written)
         root = loader.get_single_node()
         if not isinstance(root, yaml.MappingNode):
             raise MapError(f"{path}:1: a map's yaml holds keys and values, {', '.join(REQUIRED)}")
         values = {}
         for key, value in root.value:
-            place = f"{path}:{key.start_mark.line + 1}"
-            values[str(key.value)] = loader.construct_object(value, deep=True), f"{place}: {key.value!s:.40}"
+            place = f"{path}:{key.start_mark.line + 1}: {str(key.value)[:40]}"
+            values[str(key.value)[:40]] = loader.construct_object(value, deep=True), place
         return values
+    except MapError:
+        raise
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise MapError(f"{path}:{line}: not YAML ({error.problem})") from None
-    except (yaml.YAMLError, ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
-        if isinstance(error, MapError):
-            raise
-        raise MapError(f"{path}: not YAML ({error})") from None
-    finally:
-        loader.dispose()
+    except yaml.reader.ReaderError as error:
+        line = written.count("\n", 0, error.position) + 1
+        raise MapError(f"{path}:{line}: not YAML ({error.reason})") from None
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+        raise MapError(f"{path}: not YAML ({error})") from None  # a date that is none, or nested too deep
 
 
 def _number(value: tuple[Any, str]) -> float:

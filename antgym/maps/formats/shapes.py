@@ -21,7 +21,7 @@ from antgym.maps.motion import Motion
 from antgym.maps.world import GridWorld
 
 MOST_BYTES = 10_000_000
-MOST_WORK = 1_000_000_000  # cells, over all shapes, that may lie in one
+MOST_WORK = 200_000_000  # cells, over all shapes, that may lie in one
 CELLS = 200  # along the longest side, by default
 FLAT, SOLID = "bounds_xmin_xmax_ymin_ymax", "bounds"
 _NUMBERS = {"circles_x_y_r": 3, "rects_x_y_w_h": 4, "boxes_min_max": 6, "spheres": 4}

@@ -93,6 +93,8 @@ def read_voxel_rows(path: Path, map_path: Path | None = None) -> Rows:
             raise MapError(f"{place}: more than {MOST_ROWS:,} rows")
         x, y, z, to_x, to_y, to_z = (whole(word, place) for word in words[:6])
         found.append(Row((x, y, z), (to_x, to_y, to_z), real(words[6], place), None, None, at))
+    if not found:
+        raise MapError(f"{path}: no rows")
     named = beside(path, name)
     packed = named.with_name(named.name + ".gz")
     return Rows(path, map_path or (packed if packed.exists() and not named.exists() else named), found)
