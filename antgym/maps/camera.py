@@ -125,5 +125,5 @@ def _cropped(grey: NDArray[np.float32], crop: Sequence[int], path: Path) -> NDAr
     return grey[top:bottom, left:right]
 
 
-def _over_white(grey: NDArray[np.float32], alpha: NDArray[np.float32]) -> NDArray[np.float32]:
-    return (255 + (grey - 255) * (alpha / 255)).astype(np.float32)
+def _over_white(grey: NDArray[np.float32], alpha: NDArray[np.uint8]) -> NDArray[np.float32]:
+    return (255 + (grey - 255) * (alpha / np.float32(255))).astype(np.float32)

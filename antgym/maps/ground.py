@@ -12,6 +12,7 @@ from antgym.maps.motion import LAYERED
 from antgym.maps.shaping import fill_missing, voxelise
 
 AIR = 2  # free levels above the summit by default, so that a path can cross it
+MOST_LEVELS = 10_000  # by default: where there are more, units differ, or a height stands for a missing one
 
 
 def over(field: HeightField, levels: int | None = None, rise: float = 0.0, fill: float | None = None) -> Map:
@@ -38,10 +39,11 @@ def over(field: HeightField, levels: int | None = None, rise: float = 0.0, fill:
     clearance = rise if math.isfinite(rise) and rise > 0 else 0.0  # any other is refused below
     floor = low // edge * edge
     count = (high - floor + clearance) / edge + AIR if levels is None else float(levels)
-    if not heights.size * count <= MOST_CELLS:
+    if not heights.size * count <= MOST_CELLS or (levels is None and count > MOST_LEVELS):
         raise MapError(
-            f"{field.source}: {heights.size} columns of {count:.6g} cells are more than {MOST_CELLS:,} in all; heights "
-            f"and spacing ({edge:g}) must share a unit; thin the file, or cut the box (--levels)"
+            f"{field.source}: {heights.size} columns of {count:.6g} cells are more than {MOST_CELLS:,} in all, or "
+            f"{MOST_LEVELS:,} each; heights ({low:g} to {high:g}) and spacing ({edge:g}) must share a unit; thin the "
+            "file, or cut the box (--levels)"
         )
     world = voxelise(heights - floor, math.ceil(count), (*field.spacing, edge), rise)
     return Map(world, LAYERED, Frame((0.0, 0.0, floor)), field.source, "elevation", heights)

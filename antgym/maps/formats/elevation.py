@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import MapError, MissingExtraError
-from antgym.maps.formats.files import MOST_SIDE, lines, require_file
+from antgym.maps.formats.files import MOST_BYTES, MOST_SIDE, lines, require_file
 from antgym.maps.formats.pictures import SUFFIXES, pixels
 from antgym.maps.shaping import height_array
 
-MAX_SAMPLES = 30_000_000  # 240 MB of heights
+MAX_SAMPLES = 1 << 24  # 4096 x 4096, 134 MB of heights
+MOST_MEMBERS = 1000  # of an archive
 METRES_PER_DEGREE = 111_320.0  # of latitude
 KEYS = ("elevation", "heights", "topo")
 
@@ -71,7 +72,7 @@ def read_heights(path: str | Path) -> HeightField:
     (``shaping.fill_missing`` replaces it). Heights of a picture are its grey levels, from 0 to 255.
 
     Raises:
-        MapError: if the file is missing, damaged, ragged, larger than 30 million samples or of an unknown
+        MapError: if the file is missing, damaged, ragged, larger than 4096 x 4096 samples or of an unknown
             kind; the message names the file and, for text, the line.
         MissingExtraError: if a picture is read, and Pillow is not installed.
     """
@@ -97,8 +98,10 @@ def jacksboro() -> HeightField:
     path = Path(spec.origin).parent / "mpl-data" / "sample_data" / "jacksboro_fault_dem.npz"
     arrays = _load_npz(path)
     latitude = math.radians((float(arrays["ymin"]) + float(arrays["ymax"])) / 2)
-    dx = float(arrays["dx"]) * METRES_PER_DEGREE * math.cos(latitude)
-    dy = float(arrays["dy"]) * METRES_PER_DEGREE
+    dx = float(arrays["dx"]) * MOST_MEMBERS = 1000  # of an archive
+METRES_PER_DEGREE * math.cos(latitude)
+    dy = float(arrays["dy"]) * MOST_MEMBERS = 1000  # of an archive
+METRES_PER_DEGREE
     # to the centimetre, as the last bit of a cosine depends on the platform
     return HeightField(_north_up(arrays["elevation"]), (round(dx, 2), round(dy, 2)), "jacksboro")
 
@@ -141,11 +144,15 @@ def _read_npz(path: Path) -> HeightField:
 def _load_npz(path: Path) -> dict[str, _Array]:
     with _damage_told(path, ".npz"):
         with zipfile.ZipFile(path) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-        if size > 8 * MAX_SAMPLES:
-            raise ValueError(f"it unpacks to {size:,} bytes, more than {8 * MAX_SAMPLES:,}")
+            members = archive.infolist()
+        size = sum(member.file_size for member in members)
+        if len(members) > MOST_MEMBERS:
+            raise ValueError(f"it has {len(members):,} members, more than {MOST_MEMBERS:,}")
+        if size > MOST_BYTES:
+            raise ValueError(f"it unpacks to {size:,} bytes, more than {MOST_BYTES:,}")
         with np.load(path, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+            arrays = {name: archive[name] for name in archive.files}
+        return {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}
 
 
 def _scalar(arrays: dict[str, _Array], name: str, path: Path) -> float:

@@ -10,10 +10,14 @@ from typing import BinaryIO
 
 from antgym.errors import MapError
 
-MOST_BYTES = 200_000_000  # of a file, unpacked
+MOST_BYTES = 140_000_000  # of a file, unpacked
 MOST_LINE = 2_000_000  # bytes
+MOST_BLANK = 100_000  # lines with nothing in them: there are archives of nothing else
 MOST_SIDE = 1 << 16  # cells of a map along an axis
-MOST_CELLS = 512**3
+MOST_CELLS, MOST_FLAT = (
+    512**3,
+    4096**2,
+)  # in space, and of flat maps, whose cells take more within their borders
 
 Line = tuple[int, str]
 """A line and its number, counted from 1."""
@@ -53,7 +57,7 @@ def lines(path: Path) -> Iterator[Line]:
         MapError: if it cannot be read, is damaged, unpacks to too much, or has a line that no map has.
     """
     require_file(path)
-    number = read = 0
+    number = read = blank = 0
     try:
         with _opened(path) as file:
             while line := file.readline(MOST_LINE + 1):
@@ -66,6 +70,9 @@ def lines(path: Path) -> Iterator[Line]:
                     raise MapError(
                         f"{path}:{number}: it unpacks to over {MOST_BYTES:,} bytes; cut or thin the map"
                     )
+                blank += len(line) < 3 and not line.strip()
+                if blank > MOST_BLANK:
+                    raise MapError(f"{path}:{number}: over {MOST_BLANK:,} empty lines; is this a map?")
                 yield number, line.decode("utf-8-sig", errors="replace").rstrip("\r\n")
     except (OSError, EOFError, zlib.error) as error:
         raise MapError(f"{path}:{number + 1}: cannot be read ({error})") from None
@@ -99,8 +106,9 @@ def real(word: str, place: str) -> float:
     return value
 
 
-def require_cells(shape: Sequence[int], place: str, most: int = MOST_CELLS) -> None:
-    """Raise MapError where a map would have no cell, or too many for memory."""
+def require_cells(shape: Sequence[int], place: str) -> None:
+    """Raise MapError where a map, flat where its shape is, would have no cell, or too many for memory."""
+    most = MOST_FLAT if len(shape) == 2 else MOST_CELLS
     if min(shape) < 1 or math.prod(shape) > most:
         sides = " x ".join(f"{side:,}" for side in shape)
         raise MapError(f"{place}: {sides} cells; a map has from 1 to {most:,}; cut it or take larger cells")

@@ -25,6 +25,9 @@ UNIT = (1.0, 1.0, 1.0)
 MOST_ROWS = 500_000
 _LETTERS = "".join(CLASSES)
 _KNOWN = {*_LETTERS, *_LETTERS.lower()}  # hog2 takes either
+_CLASS_OF = np.full(256, len(CLASSES), np.uint8)  # by letter
+for _i, _kind in enumerate(CLASSES):
+    _CLASS_OF[list(_kind.encode())] = _i
 _HEADER = "a MovingAI map begins with type octile, height H, width W, map"
 
 
@@ -46,9 +49,8 @@ class Terrain:
 
     @cached_property
     def _worlds(self) -> tuple[GridWorld, ...]:
-        return tuple(
-            GridWorld(np.isin(self.letters, np.frombuffer(kind.encode(), np.uint8)), UNIT) for kind in CLASSES
-        )
+        classes = _CLASS_OF[self.letters]
+        return tuple(GridWorld(classes == i, UNIT) for i in range(len(CLASSES)))
 
 
 def read_movingai(path: Path) -> Map:

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import MapError, MissingExtraError
-from antgym.maps.formats.files import MOST_BYTES, require_file
+from antgym.maps.formats.files import MOST_BYTES, MOST_FLAT, require_file
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".pnm", ".pbm", ".gif")
-MOST_PIXELS = 4096 * 4096
 _KINDS = ("PNG", "JPEG", "BMP", "PPM", "GIF")
 Grey = NDArray[np.float32]
 
@@ -28,12 +27,12 @@ class Pixels(NamedTuple):
     """A picture.
 
     Attributes:
-        channels: (H, W, 1) or (H, W, 3) float32 from 0, black, to 255; row 0 is the top.
-        alpha: (H, W) from 0, transparent, to 255, None where the file has none.
+        channels: (H, W, 1) or (H, W, 3) from 0, black, to 255, uint8, or float32 of 16 bits; row 0 is the top.
+        alpha: (H, W) uint8 from 0, transparent, to 255, None where the file has none.
     """
 
-    channels: Grey
-    alpha: Grey | None
+    channels: NDArray[np.uint8] | Grey
+    alpha: NDArray[np.uint8] | None
 
     @property
     def grey(self) -> Grey:
@@ -68,27 +67,29 @@ def pixels(path: Path) -> Pixels:
 
 def _require_size(image: "Image", path: Path) -> None:
     width, height = image.size
-    if width * height > MOST_PIXELS:
+    if width * height > MOST_FLAT:
         raise MapError(
-            f"{path}: {width:,} x {height:,} pixels are more than {MOST_PIXELS:,}; shrink the picture"
+            f"{path}: {width:,} x {height:,} pixels are more than {MOST_FLAT:,}; shrink the picture"
         )
 
 
 def _unpacked(image: "Image") -> Pixels:
-    if image.mode.startswith(("I", "F")):  # 16 bits
-        levels = np.asarray(image, dtype=np.float32)
-        if not (levels.min() >= 0 and levels.max() <= 65535):
-            raise ValueError("levels beyond 16 bits")
-        return Pixels(levels[:, :, None] / np.float32(257), None)
-    transparent = "A" in image.mode or "transparency" in image.info
-    if image.mode not in ("L", "LA", "RGB", "RGBA") or transparent:
-        image = image.convert("RGBA" if transparent and image.mode != "LA" else _plain(image))
-    levels = np.asarray(image, dtype=np.float32).reshape(image.height, image.width, -1)
+    if image.mode.startswith(("I", "F")):
+        return Pixels(_deep(image)[:, :, None], None)
+    transparent = image.mode in ("LA", "PA", "RGBA") or "transparency" in image.info
+    if transparent and image.mode != "LA":
+        image = image.convert("RGBA")
+    elif image.mode not in ("L", "LA", "RGB"):
+        image = image.convert("L" if image.mode == "1" else "RGB")
+    levels: NDArray[np.uint8] = np.asarray(image).reshape(image.height, image.width, -1)
     return Pixels(levels[:, :, :-1], levels[:, :, -1]) if transparent else Pixels(levels, None)
 
 
-def _plain(image: "Image") -> str:
-    return image.mode if image.mode == "LA" else "L" if image.mode == "1" else "RGB"
+def _deep(image: "Image") -> Grey:
+    levels = np.asarray(image, dtype=np.float32)
+    if not (levels.min() >= 0 and levels.max() <= 65535):
+        raise ValueError("levels beyond 16 bits")
+    return levels / np.float32(257)
 
 
 def encoded(levels: NDArray[np.uint8], kind: str = "PNG") -> bytes:

@@ -21,13 +21,14 @@ from antgym.maps.motion import Motion
 from antgym.maps.world import GridWorld
 
 REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+KEYS = (*REQUIRED, "mode")
 MODES = ("trinary", "scale", "raw")
 MOST_YAML = 64_000  # bytes: more is no map's yaml, and takes long to parse
 _FREE, _OCCUPIED = 254, 0  # levels that map_saver writes
 _THRESHOLDS = "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
 
 Values = dict[str, tuple[Any, str]]
-"""Every key with its value and its place, file:line."""
+"""Every key that counts with its value and its place, file:line."""
 
 
 class _Terms(NamedTuple):
@@ -83,11 +84,11 @@ def _values(path: Path) -> Values:
         root = loader.get_single_node()
         if not isinstance(root, yaml.MappingNode):
             raise MapError(f"{path}:1: a map's yaml holds keys and values, {', '.join(REQUIRED)}")
-        values = {}
-        for key, value in root.value:
-            place = f"{path}:{key.start_mark.line + 1}: {str(key.value)[:40]}"
-            values[str(key.value)[:40]] = loader.construct_object(value, deep=True), place
-        return values
+        return {
+            key.value: _plain(loader, value, f"{path}:{key.start_mark.line + 1}: {key.value}")
+            for key, value in root.value
+            if key.value in KEYS
+        }
     except MapError:
         raise
     except yaml.MarkedYAMLError as error:
@@ -98,6 +99,17 @@ def _values(path: Path) -> Values:
         raise MapError(f"{path}:{line}: not YAML ({error.reason})") from None
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise MapError(f"{path}: not YAML ({error})") from None  # a date that is none, or nested too deep
+
+
+def _plain(loader: Any, node: Any, place: str) -> tuple[Any, str]:
+    """Return a value that is a word, or a list of words, and its place; nothing that refers to others is followed."""
+    import yaml
+
+    if isinstance(node, yaml.ScalarNode):
+        return loader.construct_object(node), place
+    if isinstance(node, yaml.SequenceNode) and all(isinstance(part, yaml.ScalarNode) for part in node.value):
+        return [loader.construct_object(part) for part in node.value], place
+    raise MapError(f"{place}: must be a plain value")
 
 
 def _number(value: tuple[Any, str]) -> float:

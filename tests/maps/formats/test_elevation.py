@@ -4,6 +4,7 @@ import contextlib
 import importlib.util
 import subprocess
 import sys
+import zipfile
 
 import numpy as np
 import pytest
@@ -65,7 +66,7 @@ def test_ascii_headers_may_be_in_any_case_and_have_two_spacings_and_crlf(write):
         ("ncols 3\nnrows 2\ncellsize inf\n", r"cellsize must be positive"),
         (
             "ncols 20000\nnrows 5001\ncellsize 1\n1 2 3\n",
-            r"promises 5001 x 20000 samples, more than 30000000",
+            r"promises 5001 x 20000 samples, more than 16777216",
         ),
         (b"\x89PNG\r\n\x1a\n\x00\x00", r"grid\.asc"),
     ],
@@ -224,3 +225,10 @@ def test_a_grid_that_is_written_is_read_again_to_the_bit(tmp_path_factory, heigh
     again = read_heights(path)
     assert again.spacing == field.spacing
     np.testing.assert_array_equal(again.heights, field.heights)
+
+
+def test_what_is_no_array_in_an_archive_is_passed_over(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("notes.txt", "mine")
+    with pytest.raises(MapError, match="it holds nothing"):
+        read_heights(tmp_path / "a.npz")

@@ -91,3 +91,9 @@ def test_bad_rows_are_refused_by_line(tmp_path, text, message):
     (tmp_path / "a.3dscen").write_text(text)
     with pytest.raises(MapError, match=message):
         read_voxel_rows(tmp_path / "a.3dscen")
+
+
+def test_an_archive_of_empty_lines_does_not_hang(tmp_path):
+    (tmp_path / "a.3dmap.gz").write_bytes(gzip.compress(b"voxel 2 3 4\n" + b"\n" * 200_000))
+    with pytest.raises(MapError, match="over 100,000 empty lines"):
+        read_voxels(tmp_path / "a.3dmap.gz")
