@@ -98,10 +98,8 @@ def jacksboro() -> HeightField:
     path = Path(spec.origin).parent / "mpl-data" / "sample_data" / "jacksboro_fault_dem.npz"
     arrays = _load_npz(path)
     latitude = math.radians((float(arrays["ymin"]) + float(arrays["ymax"])) / 2)
-    dx = float(arrays["dx"]) * MOST_MEMBERS = 1000  # of an archive
-METRES_PER_DEGREE * math.cos(latitude)
-    dy = float(arrays["dy"]) * MOST_MEMBERS = 1000  # of an archive
-METRES_PER_DEGREE
+    dx = float(arrays["dx"]) * METRES_PER_DEGREE * math.cos(latitude)
+    dy = float(arrays["dy"]) * METRES_PER_DEGREE
     # to the centimetre, as the last bit of a cosine depends on the platform
     return HeightField(_north_up(arrays["elevation"]), (round(dx, 2), round(dy, 2)), "jacksboro")
 
