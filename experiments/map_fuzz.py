@@ -32,7 +32,7 @@ YAML = (
 TREE = b"# Octomap OcTree binary file\nid OcTree\nsize 17\nres 0.1\ndata\n"
 SCENE = b"""{"bounds_xmin_xmax_ymin_ymax": [0, 4, 0, 3],
  "circles_x_y_r": [[1, 1, 0.5]], "rects_x_y_w_h": [[2, 2, 1, 0.5]]}"""
-ASC = b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\nNODATA_value -9999\n1 2 3\n4 -9999 6\n"
+ASC = b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\nNODATA_value -9999\n1 2 3\n4 5 6\n"
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".bmp": "BMP", ".pgm": "PPM", ".gif": "GIF"}
 WORDS = (
     b"-1",

@@ -75,7 +75,7 @@ def test_damaged_files_are_read_or_refused_and_nothing_else(whole, suffix, edits
 
 
 @pytest.mark.slow
-@settings(max_examples=6000, **HEALTH)
+@settings(max_examples=1500, **HEALTH)
 @given(suffix=SUFFIXES, edits=EDITS)
 def test_many_damaged_files_are_read_or_refused_and_nothing_else(whole, suffix, edits):
     read_damaged(whole, suffix, edits)

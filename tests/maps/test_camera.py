@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 pytest.importorskip("PIL")
@@ -82,6 +82,7 @@ def slow_otsu(levels):
     return max(apart(level) for level in range(257)), apart
 
 
+@settings(deadline=None)
 @given(levels=st.lists(st.integers(0, 255), min_size=1, max_size=60))
 def test_otsu_s_threshold_parts_as_well_as_any(levels):
     best, apart = slow_otsu(levels)
@@ -99,6 +100,7 @@ def slow_coverage(dark, edge):
     return shares / counts
 
 
+@settings(deadline=None)
 @given(
     seed=st.integers(0, 10**6),
     shape=st.tuples(st.integers(1, 6), st.integers(1, 6)),

@@ -23,9 +23,17 @@ Line = tuple[int, str]
 """A line and its number, counted from 1."""
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; none has a name that the system cannot even look for."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long, or with a zero byte
+        return False
+
+
 def require_file(path: Path, most: int = MOST_BYTES) -> None:
     """Raise MapError where there is no such file, or it has more than ``most`` bytes."""
-    if not path.is_file():
+    if not is_file(path):
         raise MapError(f"{path}: no such file (looked in {path.parent.resolve()})")
     if path.stat().st_size > most:
         raise MapError(

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import MapError, ScenarioError
-from antgym.maps.formats.files import Line, lines, real, require_cells, whole
+from antgym.maps.formats.files import Line, is_file, lines, real, require_cells, whole
 from antgym.maps.map import Frame, Map
 from antgym.maps.motion import Motion
 from antgym.maps.world import GridWorld, Scenario
@@ -247,8 +247,8 @@ def read_rows(path: Path, map_path: Path | None = None) -> Rows:
 
 def beside(path: Path, name: str) -> Path:
     """Return the map beside a scenario file: of the base name that it gives, or else of its own name."""
-    named = path.with_name(Path(name.replace("\\", "/").replace("\0", "")).name or path.stem)
-    return path.with_name(path.stem) if path.suffix and not named.exists() else named
+    named = path.with_name(Path(name.replace("\\", "/")).name or path.stem)
+    return named if is_file(named) else path.with_name(path.stem)
 
 
 def _length(word: str, place: str) -> float:

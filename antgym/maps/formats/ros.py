@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import MapError, MissingExtraError, nearest
-from antgym.maps.formats.files import real, text
+from antgym.maps.formats.files import is_file, real, text
 from antgym.maps.formats.movingai import require_square
 from antgym.maps.formats.pictures import Pixels, encoded, pixels
 from antgym.maps.map import Frame, Map
@@ -136,11 +136,11 @@ def _origin(value: tuple[Any, str]) -> tuple[float, float, float]:
 
 def _image(path: Path, value: tuple[Any, str]) -> Path:
     given, place = value
-    if not isinstance(given, str) or not given or "\0" in given:
+    if not isinstance(given, str) or not given:
         raise MapError(f"{place} = {given!r:.40}: must be the path of a picture")
     picture = path.parent / given
-    if not picture.is_file():
-        raise MapError(f"{place}: no such file {picture} (the path is relative to the yaml)")
+    if not is_file(picture):
+        raise MapError(f"{place}: no such file {str(picture)[:200]} (the path is relative to the yaml)")
     return picture
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import MapError
-from antgym.maps.formats.files import Line, lines, real, require_cells, whole
+from antgym.maps.formats.files import Line, is_file, lines, real, require_cells, whole
 from antgym.maps.formats.movingai import MOST_ROWS, UNIT, Row, Rows, beside, in_cells, require_square
 from antgym.maps.map import Frame, Map
 from antgym.maps.motion import Motion
@@ -97,7 +97,7 @@ def read_voxel_rows(path: Path, map_path: Path | None = None) -> Rows:
         raise MapError(f"{path}: no rows")
     named = beside(path, name)
     packed = named.with_name(named.name + ".gz")
-    return Rows(path, map_path or (packed if packed.exists() and not named.exists() else named), found)
+    return Rows(path, map_path or (packed if is_file(packed) else named), found)
 
 
 def _map_name(rows: Iterator[Line], path: Path) -> str:

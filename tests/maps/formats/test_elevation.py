@@ -212,6 +212,7 @@ def test_a_picture_s_grey_levels_are_heights_with_north_at_its_top(tmp_path):
     assert read_heights(tmp_path / "hill.png").heights.tolist() == [[102, 0], [255, 51]]
 
 
+@settings(deadline=None)
 @given(
     heights=st.lists(
         st.lists(st.floats(-1e5, 1e5) | st.just(np.nan), min_size=3, max_size=3), min_size=1, max_size=4

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antgym.errors import MapError, ScenarioError
@@ -129,6 +129,7 @@ def test_a_row_for_a_map_of_another_size_is_refused(write):
         rows.scenario(0)
 
 
+@settings(deadline=None)
 @given(
     cells=st.integers(1, 9).flatmap(
         lambda n: st.lists(st.lists(st.booleans(), min_size=n, max_size=n), min_size=1)
@@ -156,3 +157,10 @@ def test_worlds_that_are_not_flat_or_not_square_are_not_written():
         map_bytes(GridWorld(np.ones((2, 2, 2)), (1.0, 1.0, 1.0)))
     with pytest.raises(MapError, match="cells of equal edges"):
         map_bytes(GridWorld(np.ones((2, 2)), (1.0, 2.0, 1.0)))
+
+
+@pytest.mark.parametrize("name", ["x" * 3000, "a\0b", "..", "/"])
+def test_names_that_no_map_can_have_are_no_map(write, name):
+    rows = read_rows(write(HEADER + ROW.replace("maps/dao/field.map", name), "gone.scen"))
+    with pytest.raises(MapError, match="no such file"):
+        rows.scenario(0)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 pytest.importorskip("yaml")
@@ -85,6 +85,8 @@ def test_a_turned_map_is_found_again_from_its_points(write):
     [
         ("image: room.pgm\n", "", r"room\.yaml: the key 'image' is missing; found resolution"),
         ("room.pgm", "gone.pgm", r"room\.yaml:1: image: no such file .*gone\.pgm \(the path is relative"),
+        ("room.pgm", "x" * 3000, r"room\.yaml:1: image: no such file"),
+        ("room.pgm", '"a\\0b"', r"room\.yaml:1: image: no such file"),
         ("room.pgm", "[1]", r"room\.yaml:1: image = \[1\]: must be the path"),
         ("0.5", "half", r"room\.yaml:2: resolution: 'half' is not a number"),
         ("0.5", "-0.5", r"room\.yaml:2: resolution = -0.5: must be a positive number"),
@@ -119,6 +121,7 @@ def test_a_yaml_never_makes_objects(write):
         read_ros(write(YAML.replace("0.5", "!!python/name:os.getcwd 5")))
 
 
+@settings(deadline=None)
 @given(
     seed=st.integers(0, 10**6),
     shape=st.tuples(st.integers(1, 9), st.integers(1, 9)),

@@ -4,7 +4,7 @@ import gzip
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antgym.errors import MapError
@@ -58,6 +58,7 @@ def test_an_archive_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
         read_voxels(tmp_path / "a.3dmap.gz")
 
 
+@settings(deadline=None)
 @given(seed=st.integers(0, 10**6), shape=st.tuples(*[st.integers(1, 6)] * 3))
 def test_what_is_written_is_read_as_an_equal_world(tmp_path_factory, seed, shape):
     world = GridWorld(np.random.default_rng(seed).random(shape) < 0.5, UNIT)
