@@ -28,6 +28,19 @@ if TYPE_CHECKING:
     from antgym.cli import MapFile, PlanFile, Reading
 
 
+OPTIONS = (
+    "levels",
+    "fill",
+    "pixel",
+    "cell",
+    "threshold",
+    "crop",
+    "relief",
+    "ros",
+    "unknown",
+)  # of a command, that a reader may take
+
+
 class Question(NamedTuple):
     """What a command asks: a scenario on a map, and the name of the rules that plan it.
 
@@ -91,9 +104,6 @@ def write(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> No
     for path, data in files(found, stem, more).items():
         write_whole(path, data)
         print(f"wrote    {path}")
-
-
-OPTIONS = ("levels", "fill", "pixel", "cell", "threshold", "crop", "relief", "ros", "unknown")
 
 
 def read_file(command: "Reading", file: Path) -> Map:

@@ -68,7 +68,7 @@ def test_whole_files_are_read(whole):
     assert [suffix for suffix, data in found.items() if not check(suffix, data, folder)] == []
 
 
-@settings(max_examples=250, **HEALTH)
+@settings(max_examples=120, **HEALTH)
 @given(suffix=SUFFIXES, edits=EDITS)
 def test_damaged_files_are_read_or_refused_and_nothing_else(whole, suffix, edits):
     read_damaged(whole, suffix, edits)

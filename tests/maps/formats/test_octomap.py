@@ -27,7 +27,7 @@ def stream(*words, header=TEXT):
     return header.encode() + struct.pack(f"<{len(words)}H", *words)
 
 
-@settings(deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10**6), side=st.integers(1, 6), at=st.integers(-5, 5))
 def test_any_tree_is_decoded_to_what_was_written(tmp_path_factory, seed, side, at):
     rng = np.random.default_rng(seed)
