@@ -10,9 +10,12 @@ from antgym.errors import AntgymError
 
 if TYPE_CHECKING:
     from antgym.envs.vector import env_seeds
+    from antgym.exports import write_map, write_scenarios
     from antgym.maps.discs import DiscWorld
+    from antgym.maps.formats.elevation import jacksboro, read_heights
+    from antgym.maps.map import Map
     from antgym.maps.motion import Motion
-    from antgym.maps.readers import jacksboro, read_heights
+    from antgym.maps.readers import read_map, read_scenarios
     from antgym.maps.scenes import read_discs
     from antgym.maps.shaping import fill_missing, voxelise
     from antgym.maps.suites import SuiteItem, load_suite
@@ -39,6 +42,7 @@ _HOMES = {
     "DiscWorld": "antgym.maps.discs",
     "GridWorld": "antgym.maps.world",
     "Hive": "antgym.planners.hive",
+    "Map": "antgym.maps.map",
     "Motion": "antgym.maps.motion",
     "Rules": "antgym.planners.rules",
     "Scenario": "antgym.maps.world",
@@ -47,17 +51,21 @@ _HOMES = {
     "TuningProblem": "antgym.tuning.problem",
     "env_seeds": "antgym.envs.vector",
     "fill_missing": "antgym.maps.shaping",
-    "jacksboro": "antgym.maps.readers",
+    "jacksboro": "antgym.maps.formats.elevation",
     "load_suite": "antgym.maps.suites",
     "plan": "antgym.planners.planning",
     "plan_fleet": "antgym.planners.fleet",
     "plan_many": "antgym.planners.planning",
     "read_discs": "antgym.maps.scenes",
-    "read_heights": "antgym.maps.readers",
+    "read_heights": "antgym.maps.formats.elevation",
+    "read_map": "antgym.maps.readers",
+    "read_scenarios": "antgym.maps.readers",
     "smooth": "antgym.planners.smoothing",
     "tune": "antgym.tuning.agent",
     "tune_together": "antgym.tuning.agent",
     "voxelise": "antgym.maps.shaping",
+    "write_map": "antgym.exports",
+    "write_scenarios": "antgym.exports",
 }
 
 __all__ = [
@@ -69,6 +77,7 @@ __all__ = [
     "DiscWorld",
     "GridWorld",
     "Hive",
+    "Map",
     "Motion",
     "Rules",
     "Scenario",
@@ -84,10 +93,14 @@ __all__ = [
     "plan_many",
     "read_discs",
     "read_heights",
+    "read_map",
+    "read_scenarios",
     "smooth",
     "tune",
     "tune_together",
     "voxelise",
+    "write_map",
+    "write_scenarios",
 ]
 
 register_all()

@@ -1,4 +1,4 @@
-"""The command ``antgym``: plan a map of one's own, let an arm follow, list the environments, measure the planner.
+"""The command ``antgym``: plan or show a map of one's own, let an arm follow, list environments, measure the planner.
 
 Exit codes: 0 done, 1 no ant arrived, 2 unusable input (one line says what and what to do), 130 stopped by Ctrl-C.
 Everything heavy is imported by the subcommand that needs it, so that ``antgym --help`` is quick.
@@ -15,34 +15,81 @@ import tyro
 from antgym import console
 
 
+def _numbers(words: list[str]) -> tuple[float, ...]:
+    return tuple(float(part) for word in words for part in word.split(",") if part)
+
+
+Place = Annotated[
+    tuple[float, ...],
+    tyro.constructors.PrimitiveConstructorSpec(
+        nargs="*",
+        metavar="X Y [Z]",
+        instance_from_str=_numbers,
+        is_instance=lambda place: isinstance(place, tuple),
+        str_from_instance=lambda place: [f"{number:g}" for number in place],
+    ),
+]
+"""Numbers with spaces or commas between them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """How a file becomes a map. What a kind of file does not know is refused."""
+
+    radius: float = 0.0
+    """Of the robot, in the map's unit: obstacles are grown by it."""
+    levels: int | None = None
+    """Elevations: cells along z; by default as many as the relief and some air above need."""
+    rise: float = 0.0
+    """Elevations: clearance, how far the surface is raised, in the file's unit."""
+    fill: float | None = None
+    """Elevations: height that stands in for missing ones; without it they are an error."""
+    pixel: float | None = None
+    """Pictures: metres that a pixel is wide. Elevations: distance between samples instead of the file's."""
+    cell: float | None = None
+    """Pictures and scenes: edge of a cell; of pictures by default a pixel's."""
+    threshold: float | None = None
+    """Pictures: grey level, 0 to 255, below which a pixel is an obstacle; by default Otsu's."""
+    negate: bool = False
+    """Pictures: bright pixels are the obstacles."""
+    crop: tuple[int, int, int, int] | None = None
+    """Pictures: left, top, right, bottom pixels that the floor lies between."""
+    relief: tuple[float, float] | None = None
+    """Pictures: they are elevations, and these the heights of black and white."""
+    ros: int | None = None
+    """ROS maps: thresholds as ROS 1 or 2 takes them; by default 2."""
+    unknown: str | None = None
+    """OctoMaps: what the file says nothing of is blocked, the default, or free."""
+
+
 @dataclass(frozen=True)
-class MapFile:
-    """An elevation file, where to go on it, and the colony that is to find the way."""
+class MapFile(Reading):
+    """A map file, where to go on it, and the colony that is to find the way."""
 
     file: tyro.conf.Positional[Path]
-    """Elevation file; heights and spacing in one unit."""
-    start: tuple[int, ...]
-    """Cell x y z, counted from 0; x y alone stands on the surface."""
-    goal: tuple[int, ...]
-    """Cell x y z or x y; under the layered motion at a larger x than the start."""
-    motion: str = "layered"
-    """How ants step: layered, along x; grid26, to any neighbour; grid8 or grid4 over flat ground, with --levels 1."""
-    levels: int | None = None
-    """Cells along z; by default as many as the relief and some air above need."""
-    rise: float = 0.0
-    """Clearance: how far the surface is raised, in the file's unit."""
-    fill: float | None = None
-    """Height that stands in for missing ones; without it they are an error."""
-    rules: str = "liu2020"
-    """The colony's rules; an unknown name lists them all."""
+    """Map, picture or elevation file."""
+    start: Place
+    """x y z, or x y alone: the ground of an elevation map, the lowest free cell of others."""
+    goal: Place
+    """Likewise; under the layered motion at a larger x than the start."""
+    unit: Literal["cells", "map"] = "cells"
+    """What start and goal count: cells, from 0, or the map's own unit, as metres."""
+    motion: str | None = None
+    """How ants step: layered, along x; grid26, to any neighbour; grid8 or grid4 over flat maps. By default as the kind
+    of file has it."""
+    convex: bool = False
+    """Flat maps: concave obstacles are filled to convex ones, but never over start or goal (zhang2011)."""
+    rules: str | None = None
+    """The colony's rules; by default liu2020 for layered motion, ant_colony_system for others."""
 
 
 @dataclass(frozen=True)
 class PlanFile(MapFile):
-    """Plan a path over an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
+    """Plan a path on a map of your own.
 
-    Cells are as wide as the file's spacing, and as high. By default the path advances one cell along x per move.
-    Parameters left out take the published default of the rules.
+    MovingAI .map and .3dmap, ROS .yaml, OctoMap .bt, pictures, scenes of shapes (.json), elevations (.asc, .txt, .npy,
+    .npz). Cells of elevations are as wide as the file's spacing, and as high; the path advances one cell along x per
+    move. Parameters left out take the published default of the rules.
     """
 
     alpha: float | None = None
@@ -63,7 +110,7 @@ class PlanFile(MapFile):
     """Smooth the path: shortcut, straight lines between some of its cells, or spline, these with their corners rounded;
     written as OUT.smooth.csv. It enters no blocked cell."""
     out: Path | None = None
-    """Write OUT.csv, OUT.json and OUT.png."""
+    """Write OUT.csv, OUT.json, OUT.poses.json (frame and poses, as ROS has paths) and OUT.png."""
     picture: bool = True
     """Whether OUT.png is among them; it needs matplotlib."""
 
@@ -103,6 +150,22 @@ class ArmFile:
 
 
 @dataclass(frozen=True)
+class ShowFile(Reading):
+    """Show a map file: its size, free share, parts, features and a picture; write it as another kind of file."""
+
+    file: tyro.conf.Positional[Path]
+    """Map, picture or elevation file, as for antgym plan."""
+    start: Place = ()
+    """Of the scenario that the features are of; without start and goal, they are drawn."""
+    goal: Place = ()
+    """Likewise."""
+    unit: Literal["cells", "map"] = "cells"
+    """What start and goal count: cells, from 0, or the map's own unit, as metres."""
+    out: tuple[Path, ...] = ()
+    """Files to write: .png a picture; .map, .3dmap, .yaml or .asc the map; .scen or .3dscen the scenario."""
+
+
+@dataclass(frozen=True)
 class Envs:
     """List the environments: id, sizes of action and observation, card; or print the page of one."""
 
@@ -128,6 +191,7 @@ class Bench:
 Command = (
     Annotated[PlanFile, tyro.conf.subcommand("plan")]
     | Annotated[ArmFile, tyro.conf.subcommand("arm")]
+    | Annotated[ShowFile, tyro.conf.subcommand("map")]
     | Annotated[Envs, tyro.conf.subcommand("envs")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
@@ -184,6 +248,13 @@ def arm(arguments: ArmFile) -> int:
     return arm_file(arguments)
 
 
+def show(arguments: ShowFile) -> int:
+    """Print what there is to say of a map, write the files."""
+    from antgym.map_file import map_file
+
+    return map_file(arguments)
+
+
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit code; raises AntgymError for unusable input."""
     command = console.parse(Command, arguments, "antgym")
@@ -191,6 +262,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return plan(command)
     if isinstance(command, ArmFile):
         return arm(command)
+    if isinstance(command, ShowFile):
+        return show(command)
     return envs(command) if isinstance(command, Envs) else bench(command)
 
 

@@ -1,9 +1,7 @@
-"""``antgym plan``: from an elevation file to a path, a report on the terminal, and files."""
+"""``antgym plan``: from a map file to a path, a report on the terminal, and files."""
 
 import importlib.util
-import io
 import json
-import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,33 +13,50 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.console import write_whole
-from antgym.errors import MapError, MissingExtraError, ScenarioError
-from antgym.maps.motion import LAYERED, Motion
-from antgym.maps.readers import HeightField, read_heights
-from antgym.maps.shaping import fill_missing, voxelise
-from antgym.maps.world import Cell, GridWorld, Scenario
+from antgym.errors import MissingExtraError
+from antgym.exports import path_csv, poses_json
+from antgym.maps.folders import rules_for
+from antgym.maps.map import Map
+from antgym.maps.motion import Motion
+from antgym.maps.obstacles import Filled, convex
+from antgym.maps.readers import read_map
+from antgym.maps.world import Scenario
 from antgym.planners.colony import Plan, plan
 from antgym.planners.parameters import LIMITS, ColonyParameters
 from antgym.planners.rules import find_rules
 from antgym.planners.smoothing import SmoothPath, smooth
 
 if TYPE_CHECKING:
-    from antgym.cli import MapFile, PlanFile
-
-AIR = 2  # free levels above the summit by default, so that a path can cross it
-MAX_CELLS = 512**3
+    from antgym.cli import MapFile, PlanFile, Reading
 
 
-class Terrain(NamedTuple):
-    """A world over an elevation file, and the height of its floor in the file's unit."""
+OPTIONS = (
+    "levels",
+    "fill",
+    "pixel",
+    "cell",
+    "threshold",
+    "crop",
+    "relief",
+    "ros",
+    "unknown",
+)  # of a command, that a reader may take
 
-    world: GridWorld
-    heights: NDArray[np.float64]
-    floor: float
 
-    def coordinates(self, cells: NDArray[Any]) -> NDArray[np.float64]:
-        """Return the centres of (n, 3) cells: x, y from the file's corner, z its elevation, in its unit."""
-        return self.world.centre(cells) + np.array([0.0, 0.0, self.floor])
+class Question(NamedTuple):
+    """What a command asks: a scenario on a map, and the name of the rules that plan it.
+
+    Attributes:
+        map: as it was read and grown.
+        scenario: its obstacles may be filled.
+        rules: of the colony.
+        filled: what filling came to, None where it was not asked for.
+    """
+
+    map: Map
+    scenario: Scenario
+    rules: str
+    filled: Filled | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +64,15 @@ class Found:
     """What one command found: the setting, the plan, and the wall seconds that planning took."""
 
     command: "PlanFile"
-    terrain: Terrain
-    scenario: Scenario
+    question: Question
     setting: ColonyParameters
     plan: Plan
     seconds: float
+
+    @property
+    def scenario(self) -> Scenario:
+        """What was planned."""
+        return self.question.scenario
 
     @property
     def gap(self) -> float | None:
@@ -68,11 +87,17 @@ class Found:
         return smooth(self.plan.path, self.scenario, self.command.smooth)
 
     @property
-    def smooth_points(self) -> NDArray[np.float64]:
-        """(n, 3) of the smoothed path, as ``Terrain.coordinates`` has them; (0, 3) without one."""
+    def smooth_cells(self) -> NDArray[np.float64] | None:
+        """(n, 3) of the smoothed path, in cells; None without one."""
         if self.smoothed is None:
-            return np.empty((0, 3))
-        return self.terrain.coordinates(self.smoothed.points / np.array(self.scenario.world.cell) - 0.5)
+            return None
+        return np.asarray(self.smoothed.points / np.array(self.scenario.world.cell) - 0.5)
+
+    @property
+    def smooth_points(self) -> NDArray[np.float64]:
+        """(n, 3) of the smoothed path, as ``Map.points`` has them; (0, 3) without one."""
+        cells = self.smooth_cells
+        return np.empty((0, 3)) if cells is None else self.question.map.points(cells)
 
 
 def plan_file(command: "PlanFile") -> int:
@@ -103,22 +128,33 @@ def write(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> No
         print(f"wrote    {path}")
 
 
-def read(command: "MapFile") -> tuple[Terrain, Scenario]:
-    """Read the file and return the terrain, and the scenario that the command's ends, motion and rules make of it."""
-    rules = find_rules(command.rules)
-    terrain = build(read_heights(command.file), command.levels, command.rise, command.fill)
-    start, goal = (_end(terrain.world, name, getattr(command, name)) for name in ("start", "goal"))
-    checks = command.motion != LAYERED.name or rules.check_segments
-    motion = Motion(command.motion, check_segments=checks)
-    scenario = Scenario(terrain.world, start, goal, motion, name=command.file.name)
+def read_file(command: "Reading", file: Path) -> Map:
+    """Read a file with the options of a command."""
+    options = {name: getattr(command, name) for name in OPTIONS}
+    # what is not asked for is not passed on: not every kind of file knows of it
+    options |= {"rise": command.rise or None, "negate": command.negate or None}
+    return read_map(file, command.radius, **options)
+
+
+def read(command: "MapFile") -> Question:
+    """Read the file and return the map, and the scenario that the command's ends, motion and rules make of it."""
+    map_ = read_file(command, command.file)
+    start, goal = (map_.end(getattr(command, name), name, command.unit) for name in ("start", "goal"))
+    motion = map_.motion if command.motion is None else Motion(command.motion)
+    filled = convex(map_.world, start, goal) if command.convex else None
+    world = map_.world if filled is None else filled.world
+    scenario = Scenario(world, start, goal, motion, command.file.name)
+    rules = command.rules or rules_for(scenario)
+    if motion.layered and not find_rules(rules).check_segments:
+        scenario = scenario.with_motion(Motion(check_segments=False))
     _ = scenario.optimum  # where no path exists, no ant need try
-    return terrain, scenario
+    return Question(map_, scenario, rules, filled)
 
 
 def find(command: "PlanFile") -> Found:
     """Read the file and plan."""
-    terrain, scenario = read(command)
-    rules = find_rules(command.rules)
+    question = read(command)
+    scenario, rules = question.scenario, find_rules(question.rules)
     default = rules.ranges.space(scenario.straight_line, rules.initial_pheromone).default.tolist()
     given = [getattr(command, name) for name in LIMITS]
     setting = ColonyParameters(*(d if g is None else g for g, d in zip(given, default, strict=True)))
@@ -128,46 +164,7 @@ def find(command: "PlanFile") -> Found:
     )  # loads the kernels, or compiles them the first time
     begun = time.perf_counter()
     done = plan(scenario, setting, rules=rules, **effort)
-    return Found(command, terrain, scenario, setting, done, time.perf_counter() - begun)
-
-
-def build(field: HeightField, levels: int | None, rise: float, fill: float | None) -> Terrain:
-    """Return the world over a height field; its floor lies at a whole number of cells of the file's own zero.
-
-    Raises:
-        MapError: if heights are missing and nothing fills them, or the box would be too large.
-    """
-    heights = field.heights if fill is None else fill_missing(field.heights, fill)
-    if not np.isfinite(heights).all():
-        missing = int((~np.isfinite(heights)).sum())
-        raise MapError(f"{field.source}: {missing} heights are missing; give a stand-in with --fill HEIGHT")
-    edge, low, high = min(field.spacing), float(heights.min()), float(heights.max())
-    clearance = rise if math.isfinite(rise) and rise > 0 else 0.0  # any other is refused below
-    floor = low // edge * edge
-    count = (high - floor + clearance) / edge + AIR if levels is None else float(levels)
-    if not heights.size * count <= MAX_CELLS:
-        raise MapError(
-            f"{field.source}: {heights.size} columns of {count:.6g} cells are more than {MAX_CELLS:,} in all; heights "
-            f"and spacing ({edge:g}) must share a unit; thin the file, or cut the box with --levels"
-        )
-    world = voxelise(heights - floor, math.ceil(count), (*field.spacing, edge), rise)
-    return Terrain(world, heights, floor)
-
-
-def _end(world: GridWorld, name: str, numbers: tuple[int, ...]) -> Cell:
-    if len(numbers) not in (2, 3):
-        raise ScenarioError(
-            f"--{name} takes a cell x y z, or x y for the surface, got {len(numbers)} numbers"
-        )
-    if len(numbers) == 3:
-        return numbers[0], numbers[1], numbers[2]
-    x, y = numbers
-    nx, ny, levels = world.shape
-    if not (0 <= x < nx and 0 <= y < ny):
-        raise ScenarioError(f"{name} {numbers} lies outside the map of {nx} x {ny} columns (counted from 0)")
-    if not world.free[x, y].any():
-        raise ScenarioError(f"{name} {numbers}: no free cell above the surface in {levels} levels; give more")
-    return x, y, int(world.free[x, y].argmax())
+    return Found(command, question, setting, done, time.perf_counter() - begun)
 
 
 def report(found: Found) -> str:
@@ -177,17 +174,25 @@ def report(found: Found) -> str:
     effort = f"--ants {command.ants} --iterations {command.iterations} --seed {command.seed}"
     length = "none: no ant arrived" if found.gap is None else f"{done.length:.6g}"
     gap = "" if found.gap is None else f"gap      {found.gap:.2%}\n"
+    scenario, filled = found.scenario, found.question.filled
+    left = (
+        f", {filled.left} left as they are: filled, they would part start and goal"
+        if filled and filled.left
+        else ""
+    )
+    unit = {"cells": ""}.get(found.question.map.frame.unit, f" {found.question.map.frame.unit}")
     lines = (
-        f"world    {' x '.join(str(n) for n in found.scenario.world.shape)} cells of "
-        f"{' x '.join(f'{edge:g}' for edge in found.scenario.world.cell)}, "
-        f"{found.scenario.start} to {found.scenario.goal}\n"
+        f"world    {' x '.join(str(n) for n in scenario.world.shape)} cells of "
+        f"{' x '.join(f'{edge:g}' for edge in scenario.world.cell)}{unit}, "
+        f"{scenario.start} to {scenario.goal}\n"
+        f"{'' if filled is None else f'convex   {filled.cells:,} cells filled{left}' + chr(10)}"
         f"length   {length}\n"
         f"optimum  {found.scenario.optimum:.6g}\n"
         f"{gap}"
         f"{_smooth_line(found.smoothed)}"
         f"arrived  {int(done.arrived.sum()):,} of {command.ants * command.iterations:,} ants\n"
         f"seconds  {found.seconds:.4f}\n"
-        f"setting  --motion {command.motion} --rules {command.rules} {values} {effort}"
+        f"setting  --motion {scenario.motion.name} --rules {found.question.rules} {values} {effort}"
     )
     return lines if done.solved else f"{lines}\nhint     {hint(found)}"
 
@@ -208,17 +213,14 @@ def hint(found: Found) -> str:
 
 
 def files(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> dict[Path, bytes]:
-    """Return what is written, by path: the way as CSV and JSON and, where asked for, a picture."""
-    cells, points = found.plan.path, found.terrain.coordinates(found.plan.path)
-    rows = [
-        f"{i},{j},{k},{x!r},{y!r},{z!r}"
-        for (i, j, k), (x, y, z) in zip(cells.tolist(), points.tolist(), strict=True)
-    ]
+    """Return what is written, by path: the way as CSV, JSON and poses and, where asked for, a picture."""
+    cells = found.plan.path
+    points = found.question.map.points(cells)
+    record = {**_record(found, points), **(more or {})}
     written = {
-        _beside(stem, ".csv"): "\n".join(("i,j,k,x,y,z", *rows, "")).encode(),
-        _beside(stem, ".json"): (
-            json.dumps({**_record(found, points), **(more or {})}, indent=2) + "\n"
-        ).encode(),
+        _beside(stem, ".csv"): path_csv(cells, points),
+        _beside(stem, ".json"): (json.dumps(record, indent=2) + "\n").encode(),
+        _beside(stem, ".poses.json"): poses_json(points),
     }
     if found.smoothed is not None:
         smooth_rows = (",".join(map(repr, point)) for point in found.smooth_points.tolist())
@@ -233,7 +235,7 @@ def _beside(stem: Path, suffix: str) -> Path:
 
 
 def _record(found: Found, points: NDArray[np.float64]) -> dict[str, Any]:
-    done, command = found.plan, found.command
+    done, command, frame = found.plan, found.command, found.question.map.frame
     return {
         "file": str(command.file),
         "status": done.status,
@@ -242,15 +244,16 @@ def _record(found: Found, points: NDArray[np.float64]) -> dict[str, Any]:
         "gap": found.gap,
         "arrived": int(done.arrived.sum()),
         "seconds": found.seconds,
-        "motion": command.motion,
-        "rules": command.rules,
+        "motion": found.scenario.motion.name,
+        "rules": found.question.rules,
         "parameters": found.setting._asdict(),
         "ants": command.ants,
         "iterations": command.iterations,
         "seed": command.seed,
         "shape": found.scenario.world.shape,
         "cell": found.scenario.world.cell,
-        "floor": found.terrain.floor,
+        "frame": frame._asdict(),
+        "radius": command.radius,
         "rise": command.rise,
         "start": found.scenario.start,
         "goal": found.scenario.goal,
@@ -268,39 +271,21 @@ def _record(found: Found, points: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def picture(found: Found) -> bytes:
-    """Return a PNG: the terrain from above with the path, and the path's height over the ground below it.
+    """Return a PNG of the path on its map.
 
     Raises:
         MissingExtraError: if matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingExtraError("matplotlib", "viz") from None
-    scenario, terrain = found.scenario, found.terrain
-    (dx, dy, _), (nx, ny, _) = scenario.world.cell, scenario.world.shape
-    points, ends = (
-        terrain.coordinates(np.asarray(c)) for c in (found.plan.path, (scenario.start, scenario.goal))
-    )
-    figure = Figure(figsize=(7, 7), layout="constrained")
-    above, side = figure.subplots(2, 1, height_ratios=(3, 1))
-    image = above.imshow(terrain.heights.T, origin="lower", extent=(0, nx * dx, 0, ny * dy), cmap="terrain")
-    figure.colorbar(image, ax=above, label="height")
-    above.plot(points[:, 0], points[:, 1], color="crimson")
-    if found.smoothed is not None:
-        above.plot(*found.smooth_points[:, :2].T, color="black", lw=1, label="smoothed")
-        above.legend(fontsize="small")
-    ground = terrain.heights[tuple(found.plan.path[:, :2].T)] + found.command.rise
-    side.fill_between(points[:, 0], ground, terrain.floor, color="0.7", label="ground below the path, raised")
-    side.plot(points[:, 0], points[:, 2], color="crimson", label="path")
-    for axes, axis, name in ((above, 1, "y"), (side, 2, "z")):
-        axes.scatter(ends[:, 0], ends[:, axis], color=("green", "orange"), zorder=3)
-        axes.set(xlabel="x", ylabel=name)
-    side.legend(fontsize="small")
+    from antgym.map_pictures import drawn
+
     status = (
         found.plan.status if found.gap is None else f"length {found.plan.length:.6g}, gap {found.gap:.2%}"
     )
-    figure.suptitle(f"{scenario.name}: {status}")
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=120)
-    return buffer.getvalue()
+    return drawn(
+        found.question.map,
+        f"{found.scenario.name}: {status}",
+        found.plan.path,
+        np.array([found.scenario.start, found.scenario.goal]),
+        found.command.rise,
+        found.smooth_cells,
+    )

@@ -37,7 +37,7 @@ PROG = "python -m experiments.tune"
 
 @dataclass(frozen=True)
 class Arguments(MapFile):
-    """Tune the colony's parameters on an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
+    """Tune the colony's parameters on a map of your own: any file that antgym plan takes.
 
     An agent may run the planner --budget times on the map, then says which parameters to use. They are judged on
     --fresh further runs, and the best of these is the path that is written. With --budget 0 an agent answers from what
@@ -59,7 +59,7 @@ class Arguments(MapFile):
     seed: int = 0
     """Root of the agent's and the planner's seeds."""
     out: Path | None = None
-    """Write OUT.csv, OUT.json, OUT.png and the trials, OUT.trials; by default out/tune/ and the file's name."""
+    """Write what antgym plan writes, and the trials, OUT.trials; by default out/tune/ and the file's name."""
     picture: bool = True
     """Whether OUT.png is among them; it needs matplotlib."""
 
@@ -73,9 +73,9 @@ def run(arguments: Arguments) -> int:
     if arguments.picture:
         plan_file.require_matplotlib()
     agent = find_agent(arguments.agent, arguments.artefacts)
-    _, scenario = plan_file.read(arguments)
-    seed = derived_seed("tune", scenario.digest, arguments.seed)
-    problem = TuningProblem(scenario, arguments.rules, arguments.ants, arguments.iterations, seed)
+    question = plan_file.read(arguments)
+    seed = derived_seed("tune", question.scenario.digest, arguments.seed)
+    problem = TuningProblem(question.scenario, question.rules, arguments.ants, arguments.iterations, seed)
     stem = arguments.out or Path("out/tune") / arguments.file.stem
     unit = search(agent, problem, arguments, stem)
     command, gaps = judge(problem, unit, arguments)

@@ -12,10 +12,14 @@ import pytest
 from antgym import cli, console, listing, plan_file
 from antgym.envs.cards import load_card, summary
 from antgym.envs.catalogue import CATALOGUE
-from antgym.errors import AntgymError, MapError
-from antgym.maps.readers import HeightField
+from antgym.errors import AntgymError
+from antgym.exports import write_map
+from antgym.maps.features import FEATURES
+from antgym.maps.map import Frame, Map
+from antgym.maps.motion import Motion
+from antgym.maps.readers import read_map, read_scenarios
 from antgym.maps.recipes import SUITES
-from antgym.maps.world import Scenario
+from antgym.maps.world import GridWorld
 from antgym.planners.colony import plan
 from antgym.planners.rules import PAPERS
 from antgym.planners.swarms import find_swarm_rules
@@ -126,7 +130,7 @@ def test_plan_writes_what_it_prints(tmp_path):
     for word in (f"{record['length']:.6g}", f"{record['optimum']:.6g}", f"{record['gap']:.2%}", "arrived"):
         assert word in done.stdout
     assert (tmp_path / "way.v1.png").read_bytes().startswith(b"\x89PNG")
-    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".json", ".png"]
+    assert sorted(path.name[6:] for path in tmp_path.iterdir()) == [".csv", ".json", ".png", ".poses.json"]
 
 
 def test_plan_is_the_library_s_plan():
@@ -187,29 +191,99 @@ def test_a_picture_needs_no_path(tmp_path):
     assert plan_file.picture(found).startswith(b"\x89PNG")
 
 
-def test_the_box_fits_the_relief_and_keeps_the_file_s_datum():
-    heights = np.full((5, 4), 103.0)
-    heights[2, 2] = 131.0
-    terrain = plan_file.build(HeightField(heights, (10.0, 10.0), "a"), None, 0.0, None)
-    assert terrain.floor == 100.0
-    assert terrain.world.shape == (5, 4, 6)  # 31 above the floor fill four levels, two are air
-    assert terrain.world.free[2, 2].tolist() == [0, 0, 0, 0, 1, 1]
-    assert terrain.coordinates(np.array([[0, 0, 1]])).tolist() == [[5.0, 5.0, 115.0]]
-    assert Scenario(terrain.world, (0, 0, 1), (4, 0, 1)).optimum == 40.0
+@pytest.fixture
+def room(tmp_path):
+    """A yaml map of 20 x 12 cells of half a metre with a wall, its corner at (-5, -3) m."""
+    pytest.importorskip("yaml")
+    pytest.importorskip("PIL")
+    free = np.ones((20, 12))
+    free[10, :9] = 0
+    world = GridWorld(free, (0.5, 0.5, 0.5))
+    write_map(
+        tmp_path / "room.yaml", Map(world, Motion("grid8"), Frame((-5.0, -3.0, 0.0), 0.0, "m"), "r", "r")
+    )
+    return tmp_path / "room.yaml"
 
 
-def test_missing_heights_are_filled_only_when_asked():
-    field = HeightField(np.array([[1.0, np.nan], [2.0, 3.0]]), (1.0, 1.0), "a.npy")
-    with pytest.raises(MapError, match=r"a\.npy: 1 heights are missing; .*--fill"):
-        plan_file.build(field, None, 0.0, None)
-    assert plan_file.build(field, None, 0.0, 9.0).heights[0, 1] == 9.0
+def test_a_yaml_map_is_planned_in_metres_and_written_in_metres(room, tmp_path, capsys):
+    ends = ("--start", "-4.8,-2.8", "--goal", "4.8", "-2.8", "--unit", "map")
+    assert (
+        cli.run(
+            ["plan", str(room), *ends, "--iterations", "30", "--out", str(tmp_path / "way"), "--no-picture"]
+        )
+        == 0
+    )
+    said = capsys.readouterr().out
+    assert "20 x 12 x 1 cells of 0.5 x 0.5 x 0.5 m, (0, 0, 0) to (19, 0, 0)" in said
+    assert "--motion grid8 --rules ant_colony_system" in said
+    record = json.loads((tmp_path / "way.json").read_text())
+    assert record["points"][0] == [-4.75, -2.75, 0.25]
+    assert record["frame"] == {"origin": [-5, -3, 0], "yaw": 0, "unit": "m", "down": False}
+    found = json.loads((tmp_path / "way.poses.json").read_text())
+    assert [list(pose["pose"]["position"].values()) for pose in found["poses"]] == record["points"]
 
 
-def test_units_that_do_not_match_are_noticed_before_memory_is_taken():
-    for far, spacing in ((9e9, 1e-3), (1e300, 1e-300), (-1e300, 1e-300)):
-        field = HeightField(np.array([[0.0, far], [2.0, 3.0]]), (spacing, spacing), "a.npy")
-        with pytest.raises(MapError, match="must share a unit"):
-            plan_file.build(field, None, 0.0, None)
+def test_cells_and_metres_mean_the_same_places(room):
+    by_cell = plan_file.read(cli.MapFile(room, (0, 0), (19, 0)))
+    by_metre = plan_file.read(cli.MapFile(room, (-4.75, -2.75), (4.7, -2.6), unit="map"))
+    assert by_cell.scenario.digest == by_metre.scenario.digest
+
+
+def test_a_robot_s_radius_and_convex_obstacles_change_the_world(room, capsys):
+    wide = plan_file.read(cli.MapFile(room, (0, 0), (19, 0), radius=0.6)).scenario.world
+    assert wide.free[8:13, 0].tolist() == [[1], [0], [0], [0], [1]]
+    cup = plan_file.read(cli.MapFile(room, (0, 0), (19, 0), convex=True))
+    assert cup.filled == (cup.scenario.world, 0, 0)
+    ends = ("--start", "0,0", "--goal", "19,0")
+    assert cli.run(["plan", str(room), *ends, "--convex", "--iterations", "20", "--beta", "5"]) in (0, 1)
+    assert "convex   0 cells filled" in capsys.readouterr().out
+
+
+def test_a_map_is_shown_with_size_share_parts_features_and_letters(room, capsys):
+    assert cli.run(["map", str(room), "--start", "0,0", "--goal", "19,0"]) == 0
+    said = capsys.readouterr().out
+    for words in (
+        "ROS 2 map, room.yaml",
+        "20 x 12 cells, counted from 0; x -5 to 5, y -3 to 3 m",
+        "231 cells, 96.2%",
+        "1, the largest with 100.0% of them",
+        "(0, 0, 0) at (-4.75, -2.75, 0.25), (19, 0, 0)",
+        "flat 1",
+    ):
+        assert words in said
+    assert all(f"{feature.name} " in said for feature in FEATURES)
+    picture = said.splitlines()[-6:]
+    assert picture[-1] == "S         %        G"
+    assert picture[0] == " " * 20
+
+
+@pytest.mark.parametrize(
+    "kind", ["dem/DEM_10m.asc", "voxel3d/forest0.bt", "movingai2d/den009d.map", "images/house.png"]
+)
+def test_maps_of_every_shape_are_shown_between_places_that_are_drawn(shared_data, kind, tmp_path, capsys):
+    assert cli.run(["map", str(shared_data / kind), "--out", str(tmp_path / "a.png")]) == 0
+    said = capsys.readouterr().out
+    assert "optimum" in said
+    assert "S" in said.split("features")[1]
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_map_becomes_other_files(room, tmp_path):
+    out = [str(tmp_path / name) for name in ("b.map", "b.map.scen", "b.yaml", "b.3dmap")]
+    assert cli.run(["map", str(room), "--start", "0,0", "--goal", "19,0", "--out", *out]) == 0
+    rows = read_scenarios(tmp_path / "b.map.scen")
+    assert (rows[0].start, rows[0].goal) == ((0, 0), (19, 0))
+    assert rows[0].length == pytest.approx(
+        2 * plan_file.read(cli.MapFile(room, (0, 0), (19, 0))).scenario.optimum
+    )
+    worlds = [read_map(tmp_path / name).world for name in ("b.map", "b.yaml", "b.3dmap")]
+    assert len({world.bits.tobytes() for world in worlds}) == 1
+
+
+def test_a_map_on_which_nothing_is_joined_is_shown_without_features(tmp_path, capsys):
+    (tmp_path / "shut.map").write_text("type octile\nheight 1\nwidth 3\nmap\n.@.\n")
+    assert cli.run(["map", str(tmp_path / "shut.map")]) == 0
+    assert "none: no two places that are joined" in capsys.readouterr().out
 
 
 BAD = {
@@ -241,6 +315,15 @@ BAD = {
     "no ants": ("plan", HILLS, *ENDS, "--ants", "0"),
     "negative seed": ("plan", HILLS, *ENDS, "--seed", "-1"),
     "unwritable": (*SOLVED, "--no-picture", "--out", f"{HILLS}/way"),
+    "no such map": ("map", "absent.map"),
+    "unknown kind of map": ("map", "README.md"),
+    "an option of another kind": ("map", HILLS, "--ros", "1"),
+    "one end": ("map", HILLS, "--start", "0", "1"),
+    "unknown kind to write": ("map", HILLS, "--out", "a.bt"),
+    "not flat": ("map", HILLS, "--out", "a.map"),
+    "unknown unit": ("plan", HILLS, *ENDS, "--unit", "feet"),
+    "no radius": ("plan", HILLS, *ENDS, "--radius", "-1"),
+    "convex hills": ("plan", HILLS, *ENDS, "--convex"),
     "unknown environment": ("envs", "antgym/OpenTrial-v0"),
     "unknown workload": ("bench", "--workload", "huge"),
     "no turns": ("bench", "--repeats", "0"),

@@ -31,8 +31,9 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """Base of the regimes. A step is paid, then judged; a batch does the same for many environments at once.
 
     Args:
-        suite: name of the suite scenarios come from, or scenarios of your own: a sequence of ``SuiteItem``.
-        split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"`` of a named suite.
+        suite: name of the suite scenarios come from; path of a folder of map files, see :mod:`antgym.maps.folders`;
+            or scenarios of your own, a sequence of ``SuiteItem``.
+        split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"`` of a named suite or a folder.
         effort: (ants, iterations), or (bees, cycles), for every scenario instead of each scenario's own.
         reward: ``"gap"``, ``"length"`` or ``"improvement"``.
         observation: ``"features"``, the vector alone, or with a map beside it: ``"map2d"``, ``"map3d"``, or ``"map"``

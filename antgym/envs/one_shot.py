@@ -95,7 +95,7 @@ class OneShotEnv(TuningEnv):
     ## Arguments
     | name | default | meaning |
     |---|---|---|
-    | `suite` | the world's | a suite's name, or scenarios of your own: `[antgym.SuiteItem(...), ...]`, see below |
+    | `suite` | the world's | a suite's name, a folder of map files, or `[antgym.SuiteItem(...), ...]`, see below |
     | `split` | `"train"` | `train`, `validation`, `test` or `ood`; scenarios of your own have none |
     | `effort` | `None` | `[ants, iterations]` for every scenario instead of its own |
     | `reward` | `"gap"` | see above |

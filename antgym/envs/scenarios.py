@@ -3,10 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from antgym.errors import ParameterError
 from antgym.maps.discs import DiscWorld
+from antgym.maps.folders import load_folder
+from antgym.maps.recipes import SUITES
 from antgym.maps.suites import Suite, SuiteItem, load_suite
 from antgym.maps.world import Scenario
 from antgym.planners.swarms import parameter_names
@@ -37,8 +40,9 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
     """Return the items that episodes are drawn from.
 
     Args:
-        suite: name of a suite; or a sequence of items, which may be a ``Suite``. Scenarios take their items' names.
-        split: of a named suite.
+        suite: name of a suite; path of a folder of maps, see :mod:`antgym.maps.folders`; or a sequence of items, which
+            may be a ``Suite``. Scenarios take their items' names.
+        split: of a named suite, or of a folder.
 
     Raises:
         ParameterError: where an item, its rules or its effort cannot be used, where rules choose different parameters,
@@ -46,12 +50,22 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
         ScenarioError: where no path leads through a scenario; a training should not find that out on its way.
     """
     if isinstance(suite, str):
+        folder = Path(suite)
+        if suite not in SUITES and folder.is_dir():
+            return _own(load_folder(folder, split))
+        if len(folder.parts) > 1:
+            raise ParameterError(f"suite = {suite!r}: no such folder (looked in {Path.cwd()})")
         return load_suite(suite, split)
     if split != "train":  # the default, which says nothing
         raise ParameterError(
             f"split {split!r} of scenarios of your own: they have none; pass other scenarios"
         )
     return suite if isinstance(suite, Suite) else _checked(suite)
+
+
+@lru_cache(maxsize=16)
+def _own(items: tuple[SuiteItem, ...]) -> OwnSuite:
+    return _checked(items)
 
 
 def _checked(items: Sequence[SuiteItem]) -> OwnSuite:

@@ -1,241 +1,106 @@
-"""Readers: height fields from files, and the real terrain that comes with matplotlib.
+"""Readers: one entry point for every kind of map file, told by the end of its name."""
 
-Whatever a file calls its axes, here ``heights[i, j]`` has i along x and j along y. ESRI grids are pictures
-whose first row lies in the north, so they are turned: x points east, y north. Numpy files are taken as they
-are stored.
-"""
-
-import importlib.util
-import itertools
-import math
-import zipfile
-import zlib
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
-from tokenize import TokenError
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from antgym.errors import MapError, MissingExtraError
-from antgym.maps.shaping import height_array
-
-MAX_SAMPLES = 100_000_000
-METRES_PER_DEGREE = 111_320.0  # of latitude
-KEYS = ("elevation", "heights", "topo")
-
-_Array = NDArray[Any]
-_Line = tuple[int, list[str]]
-# what numpy and zipfile raise on damaged, truncated, encrypted or pickled files
-_DAMAGE = (
-    OSError,
-    ValueError,
-    EOFError,
-    MemoryError,
-    OverflowError,
-    RuntimeError,
-    TokenError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
+from antgym.errors import MapError, nearest
+from antgym.maps import camera, ground
+from antgym.maps.formats import movingai, octomap, pictures, ros, shapes, voxels
+from antgym.maps.formats.movingai import Rows
+from antgym.maps.map import Map
 
 
-@dataclass(frozen=True, eq=False)
-class HeightField:
-    """Heights over a regular grid.
+class Kind(NamedTuple):
+    """A kind of map file.
+
+    Attributes:
+        read: (path, **options) -> Map.
+        options: what else it takes.
+    """
+
+    read: Callable[..., Map]
+    options: tuple[str, ...] = ()
+
+
+_GROUND = ("levels", "rise", "fill", "pixel")
+_HEIGHTS = Kind(ground.read_ground, _GROUND)
+_PICTURE = Kind(camera.read_picture, ("pixel", "cell", "threshold", "negate", "crop", "relief"))
+_RELIEF = Kind(ground.read_ground, (*_GROUND, "relief"))
+
+KINDS: dict[str, Kind] = {
+    ".map": Kind(movingai.read_movingai),
+    ".3dmap": Kind(voxels.read_voxels),
+    ".3dmap.gz": Kind(voxels.read_voxels),
+    ".yaml": Kind(ros.read_ros, ("ros",)),
+    ".yml": Kind(ros.read_ros, ("ros",)),
+    ".bt": Kind(octomap.read_octomap, ("unknown",)),
+    ".json": Kind(shapes.read_shapes, ("cell",)),
+    **dict.fromkeys((".asc", ".txt", ".npy", ".npz"), _HEIGHTS),
+    **dict.fromkeys(pictures.SUFFIXES, _PICTURE),
+}
+"""By the end of a file's name."""
+
+
+def read_map(path: str | Path, radius: float = 0.0, **options: Any) -> Map:
+    """Read a map file: what it is, the end of its name says.
+
+    ``.map`` MovingAI; ``.3dmap``, ``.3dmap.gz`` Warframe voxels; ``.yaml``, ``.yml`` ROS (Pillow and PyYAML); ``.bt``
+    OctoMap; ``.asc``, ``.txt``, ``.npy``, ``.npz`` elevations; ``.json`` scenes of shapes; pictures (Pillow), as plans
+    of a floor or, with ``relief``, as elevations.
 
     Args:
-        heights: (nx, ny) numbers, i along x, j along y, in any unit; NaN where none is known. Copied to a
-            read-only float64 array.
-        spacing: (dx, dy), distance between samples along x and y, positive; the unit is the file's.
-        source: the file, or the name, that it comes from.
+        path: the file.
+        radius: of the robot, in the map's unit: obstacles are grown by it.
+        **options: of elevations ``levels``, ``rise``, ``fill`` and ``pixel``, see
+            :func:`antgym.maps.ground.read_ground`; of pictures ``pixel``, ``cell``, ``threshold``, ``negate`` and
+            ``crop``, see :func:`antgym.maps.camera.read_picture`, or ``relief``, the heights of black and white, with
+            those of elevations; of ROS maps ``ros``, 1 or 2; of OctoMaps ``unknown``, ``"blocked"`` or ``"free"``; of
+            scenes ``cell``. Options that are None are left out.
 
     Raises:
-        MapError: if the heights are not a non-empty (nx, ny) array of numbers or a spacing is not positive.
-    """
-
-    heights: NDArray[np.float64]
-    spacing: tuple[float, float]
-    source: str
-
-    def __post_init__(self) -> None:
-        try:
-            heights = height_array(self.heights).copy()
-        except MapError as error:
-            raise MapError(f"{self.source}: {error}") from None
-        dx, dy = (float(edge) for edge in self.spacing)
-        if not all(math.isfinite(edge) and edge > 0 for edge in (dx, dy)):
-            raise MapError(f"{self.source}: the spacing must be two positive numbers, got {(dx, dy)}")
-        heights.setflags(write=False)
-        object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "spacing", (dx, dy))
-
-
-def read_heights(path: str | Path) -> HeightField:
-    """Read a height field from ``.npy``, ``.npz``, or an ESRI ASCII grid (``.asc``, ``.txt``).
-
-    An ``.npz`` holds the heights under ``elevation``, ``heights`` or ``topo``, or as its only two-dimensional
-    array, and may hold ``dx`` and ``dy``; without them the spacing is 1. ``NODATA_value`` becomes NaN
-    (``shaping.fill_missing`` replaces it).
-
-    Raises:
-        MapError: if the file is missing, damaged, ragged, larger than 100 million samples or of an unknown
-            kind; the message names the file and, for text, the line.
+        MapError: if the file is missing, damaged, too large or of no such kind, or an option is unknown to its kind; it
+            names the file and the line or the byte.
+        MissingExtraError: if the library that reads it is not installed.
     """
     path = Path(path)
-    readers = {".npy": _read_npy, ".npz": _read_npz, ".asc": _read_ascii, ".txt": _read_ascii}
-    if path.suffix.lower() not in readers:
-        raise MapError(f"{path}: unknown kind of height file {path.suffix!r}; valid: {', '.join(readers)}")
-    if not path.is_file():
-        raise MapError(f"{path}: no such file (looked in {path.parent.resolve()})")
-    return readers[path.suffix.lower()](path)
+    given = {name: value for name, value in options.items() if value is not None}
+    kind = _kind(path)
+    if kind is _PICTURE and "relief" in given:
+        kind = _RELIEF
+    for name in given:
+        if name not in kind.options:
+            hint = nearest(name, kind.options) if kind.options else "it takes none"
+            raise MapError(f"{path}: a {suffix_of(path)} file has no option {name!r}; {hint}")
+    return kind.read(path, **given).grown(radius)
 
 
-def jacksboro() -> HeightField:
-    """Return the terrain of the Jacksboro fault (Tennessee): 403 x 344 samples, 236 to 1076 m, spacing in m.
+def read_scenarios(path: str | Path, map_path: str | Path | None = None) -> Rows:
+    """Read the rows of a MovingAI or MAPF ``.scen`` file, or a Warframe ``.3dscen`` file, as they are.
 
-    The file comes with matplotlib (public elevation data); x points east, y north.
+    Rows whose start is their goal, or leads nowhere, are kept; ``scenario(index)`` refuses them.
+
+    Args:
+        path: the file.
+        map_path: its map; by default the one beside it, under the name that the file gives.
 
     Raises:
-        MissingExtraError: if matplotlib is not installed.
+        MapError: if the file is missing or damaged; it names the line.
     """
-    spec = importlib.util.find_spec("matplotlib")  # finds the folder without the import's half second
-    if spec is None or spec.origin is None:
-        raise MissingExtraError("matplotlib", "viz")
-    path = Path(spec.origin).parent / "mpl-data" / "sample_data" / "jacksboro_fault_dem.npz"
-    arrays = _load_npz(path)
-    latitude = math.radians((float(arrays["ymin"]) + float(arrays["ymax"])) / 2)
-    dx = float(arrays["dx"]) * METRES_PER_DEGREE * math.cos(latitude)
-    dy = float(arrays["dy"]) * METRES_PER_DEGREE
-    # to the centimetre, as the last bit of a cosine depends on the platform
-    return HeightField(_north_up(arrays["elevation"]), (round(dx, 2), round(dy, 2)), "jacksboro")
+    path = Path(path)
+    readers = {".scen": movingai.read_rows, ".3dscen": voxels.read_voxel_rows}
+    if path.suffix.lower() not in readers:
+        raise MapError(f"{path}: unknown kind of scenario file {path.suffix!r}; valid: {', '.join(readers)}")
+    return readers[path.suffix.lower()](path, None if map_path is None else Path(map_path))
 
 
-def _north_up(picture: _Array) -> _Array:
-    return picture[::-1].T
+def suffix_of(path: Path) -> str:
+    """Return the end of a file's name that says what it is."""
+    return "".join(path.suffixes[-2:]).lower() if path.suffix.lower() == ".gz" else path.suffix.lower()
 
 
-def _read_npy(path: Path) -> HeightField:
-    try:
-        array = np.lib.format.open_memmap(path, mode="r")  # nothing is allocated for a header that lies
-    except _DAMAGE as error:
-        raise MapError(f"{path}: not a readable .npy file of numbers ({error})") from None
-    return HeightField(_bounded(array, path), (1.0, 1.0), str(path))
-
-
-def _read_npz(path: Path) -> HeightField:
-    arrays = _load_npz(path)
-    planes = [name for name, array in arrays.items() if array.ndim == 2]
-    named = [name for name in KEYS if name in arrays] or planes
-    if not named or (len(named) > 1 and named is planes):
-        raise MapError(
-            f"{path}: cannot tell which array holds the heights: it holds {', '.join(arrays) or 'nothing'}; "
-            f"name it one of {', '.join(KEYS)}"
-        )
-    dx, dy = (_scalar(arrays, name, path) for name in ("dx", "dy"))
-    return HeightField(_bounded(arrays[named[0]], path), (dx, dy), str(path))
-
-
-def _load_npz(path: Path) -> dict[str, _Array]:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-        if size > 16 * MAX_SAMPLES:
-            raise MapError(f"it unpacks to {size} bytes, more than {16 * MAX_SAMPLES}")
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except _DAMAGE as error:
-        raise MapError(f"{path}: not a readable .npz file of numbers ({error})") from None
-
-
-def _scalar(arrays: dict[str, _Array], name: str, path: Path) -> float:
-    value = arrays.get(name, np.array(1.0))
-    if value.size != 1 or value.dtype.kind not in "iuf":
-        raise MapError(
-            f"{path}: {name} must be one number, got an array of shape {value.shape}, {value.dtype}"
-        )
-    return float(value.item())
-
-
-def _bounded(array: _Array, path: Path) -> _Array:
-    if array.size > MAX_SAMPLES:
-        raise MapError(
-            f"{path}: {array.size} samples are more than {MAX_SAMPLES}; cut or thin the field first"
-        )
-    return array
-
-
-def _read_ascii(path: Path) -> HeightField:
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        lines = ((number, line.split()) for number, line in enumerate(file, 1) if line.strip())
-        header, rows = _split_header(lines, path)
-        shape = _grid_shape(header, path)
-        # GDAL writes dx and dy where they differ
-        dx, dy = (_positive(header, name if name in header else "cellsize", path) for name in ("dx", "dy"))
-        picture = _read_rows(rows, shape, path)
-    missing = _number(
-        header.get("nodata_value", "-9999"), f"{path}: NODATA_value"
-    )  # the format's own default
-    picture[picture == missing] = np.nan
-    return HeightField(_north_up(picture), (dx, dy), str(path))
-
-
-def _split_header(lines: Iterable[_Line], path: Path) -> tuple[dict[str, str], Iterable[_Line]]:
-    header: dict[str, str] = {}
-    lines = iter(lines)
-    for number, words in lines:
-        if not words[0][0].isalpha() or words[0].lower() == "nan":
-            return header, itertools.chain([(number, words)], lines)
-        if len(words) != 2:
-            raise MapError(
-                f"{path}:{number}: a header line is a name and a value, got {' '.join(words)[:60]!r}"
-            )
-        header[words[0].lower()] = words[1]
-    return header, lines
-
-
-def _grid_shape(header: dict[str, str], path: Path) -> tuple[int, int]:
-    rows, columns = (_positive(header, name, path) for name in ("nrows", "ncols"))
-    if rows % 1 or columns % 1:
-        raise MapError(f"{path}: nrows and ncols must be whole numbers, got {rows} and {columns}")
-    if rows * columns > MAX_SAMPLES:
-        raise MapError(
-            f"{path}: the header promises {rows:.0f} x {columns:.0f} samples, more than {MAX_SAMPLES}; "
-            "mend the header or cut the grid"
-        )
-    return int(rows), int(columns)
-
-
-def _positive(header: dict[str, str], name: str, path: Path) -> float:
-    if name not in header:
-        raise MapError(
-            f"{path}: the header lacks {name}; an ESRI ASCII grid begins with ncols, nrows, xllcorner, "
-            f"yllcorner, cellsize, found {', '.join(header) or 'none of them'}"
-        )
-    value = _number(header[name], f"{path}: {name}")
-    if not (math.isfinite(value) and value > 0):
-        raise MapError(f"{path}: {name} must be positive, got {header[name]}")
-    return value
-
-
-def _number(word: str, place: str) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        raise MapError(f"{place}: {word[:40]!r} is not a number (decimals take a point)") from None
-
-
-def _read_rows(lines: Iterable[_Line], shape: tuple[int, int], path: Path) -> NDArray[np.float64]:
-    rows, columns = shape
-    picture: list[NDArray[np.float64]] = []  # grows with the file, not with what its header promises
-    for number, words in lines:
-        if len(picture) == rows:
-            raise MapError(f"{path}:{number}: more than the {rows} rows that nrows promises")
-        if len(words) != columns:
-            raise MapError(f"{path}:{number}: {len(words)} values in a row, ncols promises {columns}")
-        picture.append(np.array([_number(word, f"{path}:{number}") for word in words]))
-    if len(picture) < rows:
-        raise MapError(f"{path}: the file ends after {len(picture)} of the {rows} rows that nrows promises")
-    return np.stack(picture)
+def _kind(path: Path) -> Kind:
+    suffix = suffix_of(path)
+    if suffix not in KINDS:
+        raise MapError(f"{path}: unknown kind of map file {suffix!r}; {nearest(suffix, tuple(KINDS))}")
+    return KINDS[suffix]

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
+from antgym.maps.formats.elevation import jacksboro
 from antgym.maps.generators import terrain_windows
-from antgym.maps.readers import jacksboro
 from antgym.maps.recipes import SUITES, draw
 from antgym.maps.world import Scenario
 

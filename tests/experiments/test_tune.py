@@ -126,7 +126,7 @@ def test_parts_of_a_batch_are_the_batch(tmp_path):
     from antgym.tuning.session import Session
     from experiments.watching import WatchedSession
 
-    _, scenario = plan_file.read(arguments(tmp_path))
+    scenario = plan_file.read(arguments(tmp_path)).scenario
     problem, seen = TuningProblem(scenario, iterations=5), []
     units = np.random.default_rng(0).random((7, 4))
     watched = WatchedSession(problem, 5, seen.append, part=2)

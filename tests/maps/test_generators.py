@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from antgym.errors import MapError, ScenarioError
 from antgym.maps.features import legal_moves
+from antgym.maps.formats.elevation import HeightField, jacksboro
 from antgym.maps.generators import FAMILIES, RARELY, random_arrival, terrain_windows
 from antgym.maps.motion import Motion, move_table
-from antgym.maps.readers import HeightField, jacksboro
 from antgym.maps.world import GridWorld, Scenario
 
 SEEDS = st.integers(0, 2**32 - 1)

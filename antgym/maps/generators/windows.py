@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from antgym.errors import MapError
+from antgym.maps.formats.elevation import HeightField
 from antgym.maps.generators.draws import has_path
 from antgym.maps.generators.relief import Heights, over_surface
-from antgym.maps.readers import HeightField
 from antgym.maps.shaping import block_max, voxelise
 from antgym.maps.world import Scenario
 

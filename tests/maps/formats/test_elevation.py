@@ -4,6 +4,7 @@ import contextlib
 import importlib.util
 import subprocess
 import sys
+import zipfile
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from antgym.errors import MapError, MissingExtraError
-from antgym.maps.readers import HeightField, jacksboro, read_heights
+from antgym.maps.formats.elevation import HeightField, ascii_bytes, jacksboro, read_heights
+from antgym.maps.formats.pictures import encoded
 
 HEADER = "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\nNODATA_value -9999\n"
 needs_matplotlib = pytest.mark.skipif(
@@ -64,7 +66,7 @@ def test_ascii_headers_may_be_in_any_case_and_have_two_spacings_and_crlf(write):
         ("ncols 3\nnrows 2\ncellsize inf\n", r"cellsize must be positive"),
         (
             "ncols 20000\nnrows 5001\ncellsize 1\n1 2 3\n",
-            r"promises 5001 x 20000 samples, more than 100000000",
+            r"promises 5001 x 20000 samples, more than 16777216",
         ),
         (b"\x89PNG\r\n\x1a\n\x00\x00", r"grid\.asc"),
     ],
@@ -191,7 +193,9 @@ def test_jacksboro_points_north_and_is_measured_in_metres(shared_data):
 
 @needs_matplotlib
 def test_jacksboro_does_not_import_matplotlib():
-    script = "import antgym.maps.readers as r, sys; r.jacksboro(); print('matplotlib' in sys.modules)"
+    script = (
+        "import antgym.maps.formats.elevation as r, sys; r.jacksboro(); print('matplotlib' in sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 
@@ -200,3 +204,32 @@ def test_without_matplotlib_the_remedy_is_named(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(MissingExtraError, match=r"antgym\[viz\]"):
         jacksboro()
+
+
+def test_a_picture_s_grey_levels_are_heights_with_north_at_its_top(tmp_path):
+    pytest.importorskip("PIL")
+    (tmp_path / "hill.png").write_bytes(encoded(np.array([[0, 51], [102, 255]], np.uint8)))
+    assert read_heights(tmp_path / "hill.png").heights.tolist() == [[102, 0], [255, 51]]
+
+
+@settings(deadline=None)
+@given(
+    heights=st.lists(
+        st.lists(st.floats(-1e5, 1e5) | st.just(np.nan), min_size=3, max_size=3), min_size=1, max_size=4
+    ),
+    spacing=st.tuples(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3)),
+)
+def test_a_grid_that_is_written_is_read_again_to_the_bit(tmp_path_factory, heights, spacing):
+    field = HeightField(np.array(heights), spacing, "made")
+    path = tmp_path_factory.mktemp("grids") / "made.asc"
+    path.write_bytes(ascii_bytes(field))
+    again = read_heights(path)
+    assert again.spacing == field.spacing
+    np.testing.assert_array_equal(again.heights, field.heights)
+
+
+def test_what_is_no_array_in_an_archive_is_passed_over(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("notes.txt", "mine")
+    with pytest.raises(MapError, match="it holds nothing"):
+        read_heights(tmp_path / "a.npz")
