@@ -116,7 +116,7 @@ class Experience:
         return Spread(noise, max(float(rest.var()) - noise / runs, 0.05 * float(rest.var()), 1e-12))
 
     @cached_property
-    def _scales(self) -> tuple[Floats, Floats]:
+    def scales(self) -> tuple[Floats, Floats]:
         """Mean and standard deviation of every feature, (f,) both; infinite where all maps are alike."""
         features = np.array(self.features)
         deviation = features.std(axis=0)
@@ -129,18 +129,12 @@ class Experience:
 
     def standardise(self, features: Floats) -> Floats:
         """Return features in standard deviations from the mean map, cut at ±5; 0 where all maps are alike."""
-        mean, deviation = self._scales
+        mean, deviation = self.scales
         return np.clip((features - mean) / deviation, -FAR, FAR)
 
     def check(self, task: Task) -> None:
         """Raise ParameterError where a task has other parameters or other features than the maps had."""
-        if task.space.names != self.parameters:
-            raise ParameterError(f"the experience is of {self.parameters}, the task has {task.space.names}")
-        if len(task.features) != len(self.described):
-            raise ParameterError(
-                f"the experience knows {len(self.described)} features a map, the task has {len(task.features)}: "
-                "it was gathered by another version; gather it anew"
-            )
+        require_alike(task, self.parameters, self.described)
 
     def akin(self, task: Task) -> NDArray[np.intp]:
         """Return the maps under the task's own rules; all of them where there are fewer than eight."""
@@ -212,6 +206,17 @@ class Experience:
     def load(cls, path: str | Path) -> "Experience":
         """Read it; ParameterError names the file and what is wrong with it."""
         return artefact.load(path, FORMAT, cls)
+
+
+def require_alike(task: Task, parameters: tuple[str, ...], described: tuple[str, ...]) -> None:
+    """Raise ParameterError where a task has other parameters or other features than an experience has."""
+    if task.space.names != parameters:
+        raise ParameterError(f"the experience is of {parameters}, the task has {task.space.names}")
+    if len(task.features) != len(described):
+        raise ParameterError(
+            f"the experience knows {len(described)} features a map, the task has {len(task.features)}: "
+            "it was gathered by another version; gather it anew"
+        )
 
 
 def as_experience(source: Experience | str | Path) -> Experience:

@@ -1,11 +1,12 @@
 """Nearest neighbours among train maps: what did well on maps like this one, blended."""
 
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.experience import Experience, as_experience
+from agents.experience import Experience, Spread, as_experience
 from agents.halving import Advice, Halving
 from agents.ordering import greedy_portfolio
 from antgym.errors import ParameterError
@@ -17,8 +18,22 @@ NEIGHBOURS, TAU = 20, 0.1
 with tau = 0.05), that of the setting that did best on the neighbours 18.5 %, of that best on all maps 22.8 %."""
 
 
+class Known(Protocol):
+    """What a blend needs of an experience, or of what was fitted to one."""
+
+    @property
+    def settings(self) -> Floats:
+        """The settings, (k, d) in [0, 1]."""
+        ...
+
+    @property
+    def spread(self) -> Spread:
+        """How far runs and maps differ."""
+        ...
+
+
 def blended_advice(
-    space: ParameterSpace, experience: Experience, regrets: Floats, weights: Floats, tau: float
+    space: ParameterSpace, known: Known, regrets: Floats, weights: Floats, tau: float
 ) -> Advice:
     """Return the settings of an experience in the order to try them on a target, and before them their blend.
 
@@ -28,17 +43,17 @@ def blended_advice(
 
     Args:
         space: the target's.
-        experience: whose settings they are.
+        known: whose settings they are.
         regrets: (s, k) log regret of every setting in s cases of what the target may be like.
         weights: (s,) probabilities of the cases.
         tau: log cost by which a setting's weight falls to 1/e, > 0.
     """
     expected = weights @ regrets
     shares = np.exp(-(expected - expected.min()) / tau)
-    blend = space.mean(experience.settings, shares / shares.sum())
+    blend = space.mean(known.settings, shares / shares.sum())
     order = greedy_portfolio(regrets, weights=weights)
-    candidates = np.vstack([blend, experience.settings[order]])
-    return Advice(candidates, np.concatenate([[expected.min()], expected[order]]), experience.spread)
+    candidates = np.vstack([blend, known.settings[order]])
+    return Advice(candidates, np.concatenate([[expected.min()], expected[order]]), known.spread)
 
 
 class NeighbourAgent(Halving):

@@ -33,13 +33,21 @@ class Player:
 def algorithm_class(name: str) -> Any:
     """Return the class of an algorithm; MissingExtraError where its library is not installed."""
     module = find_algorithm(name).module
+    torch_alone()
     try:
-        import torch
-
-        torch.set_num_threads(1)  # the nets are tiny: more threads only fight the planner's
         return getattr(import_module(module), name)
     except ModuleNotFoundError as error:
         raise MissingExtraError(module.replace("_", "-"), "rl") from error
+
+
+def torch_alone() -> Any:
+    """Return torch, kept to one thread: the nets are tiny, and more threads only fight the planner's."""
+    try:
+        import torch
+    except ModuleNotFoundError as error:
+        raise MissingExtraError("torch", "rl") from error
+    torch.set_num_threads(1)
+    return torch
 
 
 def _safetensors() -> Any:
@@ -47,6 +55,15 @@ def _safetensors() -> Any:
         return import_module("safetensors.torch")
     except ModuleNotFoundError as error:
         raise MissingExtraError("safetensors", "rl") from error
+
+
+def to_bytes(state: Mapping[str, Any]) -> bytes:
+    """Return weights by name as the content of a .safetensors file."""
+    return bytes(
+        _safetensors().save(
+            {name: value.detach().cpu().contiguous().clone() for name, value in state.items()}
+        )
+    )
 
 
 def load(path: str | Path) -> tuple[PolicyCard, Any]:
@@ -58,7 +75,10 @@ def load(path: str | Path) -> tuple[PolicyCard, Any]:
     """
     card = read_card(path)
     try:
-        return card, _fill(_build(card), card, read_weights(path, card))
+        network, data = _build(card), read_weights(path, card.sha256)
+        fill(network, _needed(find_algorithm(card.algorithm), network.state_dict()), data)
+        network.set_training_mode(False)
+        return card, network
     except ParameterError as error:
         stem = str(stem_of(path))
         place = "" if str(error).startswith(stem) else f"{stem}: "
@@ -80,10 +100,7 @@ def export(model: Any, path: str | Path, **facts: Any) -> PolicyCard:
         ParameterError: where the policy is built from what a card cannot hold.
     """
     name = type(model).__name__
-    state = _needed(find_algorithm(name), model.policy.state_dict())
-    weights = _safetensors().save(
-        {key: value.detach().cpu().contiguous().clone() for key, value in state.items()}
-    )
+    weights = to_bytes(_needed(find_algorithm(name), model.policy.state_dict()))
     card = PolicyCard(
         algorithm=name,
         policy=_alias(model),
@@ -173,8 +190,17 @@ def _done(card: PolicyCard) -> Any:
     return spaces.Discrete(choices("one", dimension)[0])
 
 
-def _fill(network: Any, card: PolicyCard, data: bytes) -> Any:
-    """Fill a network with weights, which are those it needs, no more and no fewer."""
+def fill(network: Any, wanted: Mapping[str, Any], data: bytes) -> None:
+    """Fill a network with weights, which are those it needs, no more and no fewer.
+
+    Args:
+        network: a module of torch.
+        wanted: those entries of its state dict that it needs.
+        data: content of a .safetensors file.
+
+    Raises:
+        ParameterError: where the content is none, or holds other names, shapes or types, or what is not finite.
+    """
     parse = _safetensors().load
     from safetensors import SafetensorError
 
@@ -182,7 +208,6 @@ def _fill(network: Any, card: PolicyCard, data: bytes) -> Any:
         weights = parse(data)
     except (SafetensorError, ValueError, KeyError) as error:
         raise ParameterError(f"the weights are no safetensors ({error})") from None
-    wanted = _needed(find_algorithm(card.algorithm), network.state_dict())
     _require_same(sorted(weights), sorted(wanted))
     for name, value in wanted.items():
         if weights[name].shape != value.shape or weights[name].dtype != value.dtype:
@@ -192,9 +217,7 @@ def _fill(network: Any, card: PolicyCard, data: bytes) -> Any:
             )
         if value.is_floating_point() and not weights[name].isfinite().all():
             raise ParameterError(f"weights {name!r} are not finite")
-    network.load_state_dict(weights, strict=False)  # what is left out is the critic's
-    network.set_training_mode(False)
-    return network
+    network.load_state_dict(weights, strict=False)  # what is left out acting does not need
 
 
 def _require_same(found: Sequence[str], wanted: Sequence[str]) -> None:

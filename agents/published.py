@@ -207,26 +207,38 @@ def _check(file: Path, card: PolicyCard) -> None:
         raise ParameterError(f"{file}: field 'start' holds no value for each of {card.parameters}")
 
 
-def read_weights(path: str | Path, card: PolicyCard) -> bytes:
-    """Return the content of the weights' file; ParameterError where it is not the one that the card was written for."""
+def read_weights(path: str | Path, sha256: str) -> bytes:
+    """Return the content of the weights' file; ParameterError where its hash is not the one that the card holds."""
     file = beside(stem_of(path), ".safetensors")
     try:
         data = file.read_bytes()
     except OSError as error:
         raise ParameterError(f"{file}: cannot be read ({error.strerror})") from None
-    if (found := hashlib.sha256(data).hexdigest()) != card.sha256:
+    if (found := hashlib.sha256(data).hexdigest()) != sha256:
         raise ParameterError(
-            f"{file}: its hash is {found[:16]}…, but field 'sha256' of the card says {card.sha256[:16]!r}"
+            f"{file}: its hash is {found[:16]}…, but field 'sha256' of the card says {sha256[:16]!r}"
         )
     return data
 
 
 def write(path: str | Path, card: PolicyCard, weights: bytes) -> None:
-    """Write both files, each whole or not at all; a card beside weights of another shows by their hash."""
+    """Write a policy as :func:`write_both` does; ParameterError on a field that reading it would refuse."""
+    _check(beside(stem_of(path), ".json"), card)
+    write_both(path, FORMAT, card, weights)
+
+
+def write_both(path: str | Path, form: str, card: Any, weights: bytes) -> None:
+    """Write a card and weights, each whole or not at all; a card beside weights of another shows by their hash.
+
+    Args:
+        path: NAME of NAME.json and NAME.safetensors.
+        form: format that the card names.
+        card: a dataclass with a field ``sha256``, which is told here.
+        weights: content of the weights' file.
+    """
     stem = stem_of(path)
     stem.parent.mkdir(parents=True, exist_ok=True)
-    content = {"format": FORMAT, **asdict(card), "sha256": hashlib.sha256(weights).hexdigest()}
-    _check(beside(stem, ".json"), PolicyCard(**{k: v for k, v in content.items() if k != "format"}))
+    content = {"format": form, **asdict(card), "sha256": hashlib.sha256(weights).hexdigest()}
     text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     for suffix, data in ((".safetensors", weights), (".json", text.encode())):
         write_whole(beside(stem, suffix), data)

@@ -17,8 +17,9 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
-from agents import committee, policy
+from agents import committee, ensemble, policy
 from agents.committee import Committee
+from agents.ensemble import Ensemble
 from agents.experience import Experience
 from agents.fitting import trials_needed
 from agents.graph import TransferGraph
@@ -48,6 +49,7 @@ ARGUMENTS = {
     "agents.portfolio:PortfolioAgent": ("experience", "experience.json"),
     "agents.neighbours:NeighbourAgent": ("experience", "experience.json"),
     "agents.regression:ForestAgent": ("experience", "experience.json"),
+    "agents.regression:EnsembleAgent": ("ensemble", "neural.json"),
     "agents.warm_start:WarmCmaEs": ("experience", "experience.json"),
     "agents.transfer_gp:TransferGP": ("experience", "experience.json"),
     "agents.policy:PolicyAgent": ("path", "policy.json"),
@@ -80,6 +82,7 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         "static_by_rules.json": lambda path: _race(race_by_rules, suite, preset).save(path),
         "graph.json": lambda path: _fit(suite, preset).save(path),
         "experience.json": lambda path: _gather(suite, preset).save(path),
+        "neural.json": lambda path: _fit_nets(_experience(folder, suite, preset)).save(path),
         "policy.json": lambda path: _train(path, suite, preset),
     }
     wanted = _files(names)
@@ -99,6 +102,7 @@ def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
         "static_by_rules.json": lambda path: StaticSettings.load(path).evaluations,
         "graph.json": lambda path: TransferGraph.load(path).evaluations,
         "experience.json": lambda path: Experience.load(path).evaluations,
+        "neural.json": lambda path: ensemble.read_card(path).evaluations,
         "policy.json": _policy_evaluations,
         "committee.json": Committee.evaluations,
     }
@@ -182,6 +186,19 @@ def _gather(suite: str, preset: Preset) -> Experience:
             repeats=EXPERIENCE_REPEATS,
             provenance={"suite": suite},
         )
+
+
+def _experience(folder: Path, suite: str, preset: Preset) -> Experience:
+    """Return the experience of a folder, gathered now where it is not there."""
+    path = folder / "experience.json"
+    if not path.exists():
+        _gather(suite, preset).save(path)
+    return Experience.load(path)
+
+
+def _fit_nets(experience: Experience) -> Ensemble:
+    with progress("fitting nets to the experience", ensemble.NETS * ensemble.EPOCHS) as advance:
+        return Ensemble.fit(experience, advance=advance)
 
 
 def _train(card: Path, suite: str, preset: Preset) -> None:

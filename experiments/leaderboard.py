@@ -38,6 +38,7 @@ AGENTS = (
     "portfolio",
     "neighbours",
     "regression",
+    "neural_regression",
     "cma_es_warm",
     "transfer_gp",
     "rl",

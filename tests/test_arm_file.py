@@ -79,7 +79,7 @@ def test_a_plan_is_not_smoothed_unless_asked(tmp_path, capsys):
     assert cli.run([*PLAN, "--out", str(tmp_path / "way")]) == 0
     assert "\nsmooth " not in capsys.readouterr().out
     assert json.loads((tmp_path / "way.json").read_text())["smoothed"] is None
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["way.csv", "way.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [*("way.csv", "way.json", "way.poses.json")]
 
 
 def test_where_no_ant_arrived_there_is_nothing_to_smooth(tmp_path):

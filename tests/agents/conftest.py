@@ -97,3 +97,16 @@ def experience():
     units = np.random.default_rng(0).random((32, 4))
     described = [feature.name for feature in TASK_FEATURES]
     return Experience.gather(sessions, units, described=described)
+
+
+@pytest.fixture(scope="session")
+def ensemble(experience):
+    """Two nets fitted to that experience; None without the extra rl, whose agent is then skipped."""
+    pytest.importorskip("agents")
+    from importlib.util import find_spec
+
+    if not (find_spec("torch") and find_spec("safetensors")):
+        return None
+    from agents.ensemble import Ensemble
+
+    return Ensemble.fit(experience, nets=2)

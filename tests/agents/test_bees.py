@@ -1,10 +1,13 @@
 """Every agent of the catalogue tunes bees as it is: with three parameters or four, and features of another length."""
 
+from importlib.util import find_spec
+
 import numpy as np
 import pytest
 from discs import scattered
 
 import agents
+from agents.ensemble import Ensemble
 from agents.experience import Experience
 from agents.static import StaticSetting, StaticSettings
 from agents.transfer import TransferGraph
@@ -37,13 +40,15 @@ def learnt(rules):
     units = np.random.default_rng(0).random((8, len(names)))
     described = [feature.name for feature in DISC_TASK_FEATURES]
     sessions = [session(rules, world, 16) for world in range(8)]
+    experience = Experience.gather(sessions, units, described=described)
     return {
         "setting": static,
         "settings": StaticSettings({rules: static}),
         "graph": TransferGraph.fit(
             [session(rules, world, 500) for world in range(3)], search=16, repeats=2, seed=0
         ),
-        "experience": Experience.gather(sessions, units, described=described),
+        "experience": experience,
+        "ensemble": Ensemble.fit(experience, nets=1) if find_spec("torch") else None,
     }
 
 
@@ -51,6 +56,7 @@ TRAINED = {
     "agents.static:StaticAgent": "setting",
     "agents.static:StaticByRules": "settings",
     "agents.transfer:TransferAgent": "graph",
+    "agents.regression:EnsembleAgent": "ensemble",
 }
 
 

@@ -38,7 +38,7 @@ def require(name):
 
 
 @pytest.fixture(params=NAMES)
-def build(request, graph, experience):
+def build(request, graph, experience, ensemble):
     """A function that makes a fresh agent of one catalogue entry."""
     card = agents.CATALOGUE[request.param]
     require(card.name)
@@ -47,6 +47,7 @@ def build(request, graph, experience):
         "agents.static:StaticAgent": {"setting": static},
         "agents.static:StaticByRules": {"settings": StaticSettings({"liu2020": static})},
         "agents.transfer:TransferAgent": {"graph": graph},
+        "agents.regression:EnsembleAgent": {"ensemble": ensemble},
     }
     learnt = {"experience": experience} if card.name in LEARNT else {}
     return lambda: agents.make(card.name, **learnt, **trained.get(card.entry_point, {}))
@@ -201,11 +202,12 @@ def test_an_unknown_setting_names_the_nearest(name):
         agents.make(name, popullation=10)
 
 
-@pytest.mark.parametrize("name", LEARNT)
-def test_experience_beats_the_default_without_a_trial(name, experience, bowl):
+@pytest.mark.parametrize("name", [*LEARNT, "neural_regression"])
+def test_experience_beats_the_default_without_a_trial(name, experience, ensemble, bowl):
     require(name)
     session = bowl(0, optimum=(0.8, 0.2, 0.3, 0.6), features=(1, 0.1))
-    agent = agents.make(name, experience=experience)
+    learnt = {"ensemble": ensemble} if name == "neural_regression" else {"experience": experience}
+    agent = agents.make(name, **learnt)
     agent.reset(session.task, seed=0)
     assert session.cost(agent.recommend())[0] < session.cost(np.full(4, 0.5))[0]
 
@@ -215,6 +217,7 @@ def test_experience_beats_the_default_without_a_trial(name, experience, bowl):
     [
         ("transfer_graph", "graph"),
         ("portfolio", "experience"),
+        ("neural_regression", "ensemble"),
         ("best_static_by_rules", "settings"),
     ],
 )
