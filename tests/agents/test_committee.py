@@ -17,6 +17,7 @@ from agents.policy import PolicyAgent
 from antgym.errors import ParameterError
 from antgym.tuning import tune
 from experiments.artefacts import spent
+from experiments.committee import Arguments, seat
 
 
 @pytest.fixture
@@ -62,3 +63,15 @@ def test_a_member_that_is_not_there_is_named(seated):
     (seated / "seed-2.json").unlink()
     with pytest.raises(ParameterError, match="seed-2"):
         agents.make("rl_committee", path=seated / "committee.json")
+
+
+def test_a_command_seats_a_committee_whose_members_can_be_read(seated):
+    (seated / "committee.json").unlink()
+    assert seat(Arguments((seated / "seed-1", seated / "seed-2.json"))) == seated / "committee.json"
+    assert Committee.load(seated / "committee.json").members == ("seed-1", "seed-2")
+    (seated / "committee.json").unlink()
+    with pytest.raises(ParameterError, match="seed-9"):
+        seat(Arguments((seated / "seed-1", seated / "seed-9")))
+    assert not (seated / "committee.json").exists()
+    with pytest.raises(ParameterError, match="sits in one folder"):
+        seat(Arguments((seated / "seed-1", seated / "other" / "seed-2")))
