@@ -1,6 +1,6 @@
 """The command ``antgym``: plan a map of one's own, list the environments, measure the planner.
 
-Exit codes: 0 done, 1 no ant arrived, 2 unusable input (one line says what and what to do), 130 stopped by Ctrl-C.
+Exit codes: 0 done, 1 no ant or bee arrived, 2 unusable input (one line says what and what to do), 130 Ctrl-C.
 Everything heavy is imported by the subcommand that needs it, so that ``antgym --help`` is quick.
 """
 
@@ -17,13 +17,13 @@ from antgym import console
 
 @dataclass(frozen=True)
 class MapFile:
-    """An elevation file, where to go on it, and the colony that is to find the way."""
+    """A map file, where to go on it, and the swarm that is to find the way."""
 
     file: tyro.conf.Positional[Path]
     """Elevation file; heights and spacing in one unit."""
-    start: tuple[int, ...]
+    start: tuple[int, ...] = ()
     """Cell x y z, counted from 0; x y alone stands on the surface."""
-    goal: tuple[int, ...]
+    goal: tuple[int, ...] = ()
     """Cell x y z or x y; under the layered motion at a larger x than the start."""
     motion: str = "layered"
     """How ants step: layered, along x; grid26, to any neighbour; grid8 or grid4 over flat ground, with --levels 1."""
@@ -34,15 +34,16 @@ class MapFile:
     fill: float | None = None
     """Height that stands in for missing ones; without it they are an error."""
     rules: str = "liu2020"
-    """The colony's rules; an unknown name lists them all."""
+    """The swarm's rules; an unknown name lists them all."""
 
 
 @dataclass(frozen=True)
 class PlanFile(MapFile):
-    """Plan a path over an elevation file: an ESRI ASCII grid (.asc, .txt), .npy or .npz.
+    """Plan a path over an elevation file, an ESRI ASCII grid (.asc, .txt), .npy or .npz; or by bees past discs.
 
     Cells are as wide as the file's spacing, and as high. By default the path advances one cell along x per move.
-    Parameters left out take the published default of the rules.
+    Rules of bees (--rules wu2018) plan a scene of discs, a .json that holds its own start and goal; they fly well as
+    40 bees for 1,000 cycles. Parameters left out take the published default of the rules.
     """
 
     alpha: float | None = None
@@ -53,10 +54,18 @@ class PlanFile(MapFile):
     """Persistence of the pheromone per iteration."""
     Q: float | None = None
     """Deposit constant."""
+    limit: float | None = None
+    """Bees: tries in vain after which a source is abandoned."""
+    xi_max: float | None = None
+    """Bees: largest share by which one moves, in the first cycle."""
+    xi_min: float | None = None
+    """Bees: the same in the last cycle."""
+    tabu_radius: float | None = None
+    """Bees of rules with a tabu list: how far from abandoned sources a new one must lie."""
     ants: int = 20
-    """Ants per iteration."""
+    """Ants per iteration, or bees."""
     iterations: int = 100
-    """Iterations."""
+    """Iterations, or cycles."""
     seed: int = 0
     """The same seed gives the same path on every machine."""
     out: Path | None = None
@@ -134,6 +143,17 @@ def bench(arguments: Bench) -> int:
 
 def plan(arguments: PlanFile) -> int:
     """Plan the file, print what was found, write the files."""
+    from antgym.errors import ParameterError
+    from antgym.planners.planning import are_bees
+
+    if are_bees(arguments.rules):
+        from antgym.plan_scene import plan_scene
+
+        return plan_scene(arguments)
+    if arguments.file.suffix.lower() == ".json":
+        raise ParameterError(
+            f"{arguments.file}: past the discs of a scene bees fly; name their --rules, as wu2018"
+        )
     from antgym.plan_file import plan_file
 
     return plan_file(arguments)

@@ -5,8 +5,8 @@ import io
 import json
 import math
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.console import write_whole
-from antgym.errors import MapError, MissingExtraError, ScenarioError
+from antgym.errors import MapError, MissingExtraError, ParameterError, ScenarioError
 from antgym.maps.motion import LAYERED, Motion
 from antgym.maps.readers import HeightField, read_heights
 from antgym.maps.shaping import fill_missing, voxelise
 from antgym.maps.world import Cell, GridWorld, Scenario
 from antgym.planners.colony import Plan, plan
-from antgym.planners.parameters import LIMITS, ColonyParameters
+from antgym.planners.parameters import BEE_LIMITS, LIMITS, ColonyParameters
 from antgym.planners.rules import find_rules
 
 if TYPE_CHECKING:
@@ -80,6 +80,13 @@ def require_matplotlib() -> None:
         raise MissingExtraError("matplotlib", "viz")
 
 
+def require_left_out(command: "PlanFile", options: Iterable[str], reason: str) -> None:
+    """Raise ParameterError where one of these options was given, which would have no effect."""
+    for field in fields(command):
+        if field.name in options and getattr(command, field.name) != field.default:
+            raise ParameterError(f"--{field.name.replace('_', '-')} has no effect here: {reason}")
+
+
 def write(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> None:
     """Write the files of what was found, each whole or not at all, and say so; ``more`` joins the JSON."""
     for path, data in files(found, stem, more).items():
@@ -101,6 +108,7 @@ def read(command: "MapFile") -> tuple[Terrain, Scenario]:
 
 def find(command: "PlanFile") -> Found:
     """Read the file and plan."""
+    require_left_out(command, BEE_LIMITS, f"rules {command.rules!r} are of ants")
     terrain, scenario = read(command)
     rules = find_rules(command.rules)
     default = rules.ranges.space(scenario.straight_line, rules.initial_pheromone).default.tolist()
@@ -191,17 +199,18 @@ def files(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> di
         for (i, j, k), (x, y, z) in zip(cells.tolist(), points.tolist(), strict=True)
     ]
     written = {
-        _beside(stem, ".csv"): "\n".join(("i,j,k,x,y,z", *rows, "")).encode(),
-        _beside(stem, ".json"): (
+        beside(stem, ".csv"): "\n".join(("i,j,k,x,y,z", *rows, "")).encode(),
+        beside(stem, ".json"): (
             json.dumps({**_record(found, points), **(more or {})}, indent=2) + "\n"
         ).encode(),
     }
     if found.command.picture:
-        written[_beside(stem, ".png")] = picture(found)
+        written[beside(stem, ".png")] = picture(found)
     return written
 
 
-def _beside(stem: Path, suffix: str) -> Path:
+def beside(stem: Path, suffix: str) -> Path:
+    """Return the path of a file beside a stem."""
     return stem.with_name(stem.name + suffix)  # not with_suffix: a stem may hold a dot
 
 
