@@ -45,6 +45,9 @@ BEE_RULES_SHOWN = (
     "wu2018-basic-paper",
     "abc_standard",
     "abc_gbest",
+    "wu2018-4",
+    "abc_standard-4",
+    "abc_gbest-4",
 )
 """Likewise of bees."""
 
