@@ -62,8 +62,8 @@ PANELS = (
     Panel("Open", "mazes", 25),
     Panel("Open", "warehouse", 59),
     Panel("Bee", "corridors", 3),
-    Panel("Bee", "scatter", 1),
-    Panel("TabuBee", "wu2018", 7),
+    Panel("Bee", "scatter", 5),
+    Panel("TabuBee", "wu2018", 3),
 )
 
 
