@@ -119,9 +119,12 @@ def _odd(low: int, high: int) -> tuple[int, ...]:
 
 
 def _unseen(strands: tuple[Strand, ...]) -> tuple[Strand, ...]:
-    """Return what lies outside of strands among discs: half of it more discs, half rings."""
+    """Return what lies outside of strands among discs: a third of it more discs, the rest rings."""
     more = tuple(strand._replace(sizes=(48, 64)) for strand in strands)
-    return more + tuple(strand._replace(families=("rings",), sizes=(16, 24, 32)) for strand in strands)
+    return more + tuple(
+        strand._replace(families=("rings",), sizes=(16, 24, 32), weight=2 * strand.weight)
+        for strand in strands
+    )
 
 
 _LADDER = (11, 13, 15, 17, 19, 23, 27, 31, 37, 43, 51, 61)  # each about a sixth more than the one before
@@ -195,12 +198,12 @@ SUITES: dict[str, Recipe] = {
     ),
     "bee-v0": Recipe(
         _BEE,
-        {**_COUNTS, "ood": 112},
+        {**_COUNTS, "ood": 180},
         ood=_unseen(_BEE),
     ),
     "tabu-bee-v0": Recipe(
         _TABU_BEE,
-        {**_COUNTS, "ood": 112},
+        {**_COUNTS, "ood": 180},
         ood=_unseen(_TABU_BEE),
     ),
 }
