@@ -14,29 +14,33 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
+from antgym.maps.generators.discs import wu2018
 from antgym.maps.motion import Motion
 from antgym.maps.shaping import voxelise
 from antgym.maps.world import GridWorld, Scenario
+from antgym.planners.bee_rules import BEE_PAPERS, BeeRules
 from antgym.planners.rules import Rules
 
 BLOCKED, PLANE_SEED = 0.25, 1  # of the plane; this one has a way through
 PARAMETERS = (1.0, 5.0, 0.9, 100.0)
-"""α, β, ρ and Q of every workload."""
+"""α, β, ρ and Q of every workload of ants."""
+BEES = "abc_standard"
 
 Work = Callable[[int], int]
-"""One timed turn: takes a seed, returns how many moves its ants made (1 for a code without ants)."""
+"""One timed turn: takes a seed, returns how many moves its ants made or paths its bees evaluated (1 without either)."""
 
 
 class Workload(NamedTuple):
-    """One plan over the standard mountains or the standard plane, η = 1 / (step + distance to the goal).
+    """One plan over the standard mountains or the standard plane, η = 1 / (step + distance to the goal), or past discs.
 
     Attributes:
         name: how tables and ``--workload`` call it.
-        ants, iterations: effort.
+        ants, iterations: effort; of bees, how many and their cycles.
         q0: probability of the greedy move.
-        size: cells along y and z; along x and y of a plane.
+        size: cells along y and z; along x and y of a plane; how many discs.
         layers: moves of a path; by default ``size - 1``, a cube.
-        plane: whether the ants walk the plane, eight neighbours and a tabu list, instead of the mountains.
+        world: ``"mountains"``; ``"plane"``, eight neighbours and a tabu list; or ``"discs"``, the obstacles of wu2018,
+            past which bees fly as Karaboga's standard colony.
     """
 
     name: str
@@ -45,16 +49,27 @@ class Workload(NamedTuple):
     q0: float = 0.0
     size: int = 21
     layers: int | None = None
-    plane: bool = False
+    world: str = "mountains"
 
     @property
-    def rules(self) -> Rules:
+    def rules(self) -> Rules | BeeRules:
         """The rules of this workload."""
-        return Rules(w1=1.0, w2=0.0, q0=self.q0)
+        return BEE_PAPERS[BEES] if self.world == "discs" else Rules(w1=1.0, w2=0.0, q0=self.q0)
 
-    def scenario(self) -> Scenario:
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """What the planner goes by: ``PARAMETERS``; of bees the published limit and ξ."""
+        if self.world == "discs":
+            return tuple(BEE_PAPERS[BEES].space(self.ants, 1.0).default.tolist())  # no radius, so no width
+        return PARAMETERS
+
+    def scenario(self) -> Scenario[Any, Any]:
         """Return the world of this workload."""
-        return standard_plane(self.size) if self.plane else standard_scenario(self.size, self.layers)
+        if self.world == "discs":
+            return wu2018(np.random.default_rng(0), self.size)
+        return (
+            standard_plane(self.size) if self.world == "plane" else standard_scenario(self.size, self.layers)
+        )
 
 
 WORKLOADS = (
@@ -62,7 +77,8 @@ WORKLOADS = (
     Workload("30x150", 30, 150),
     Workload("50x200", 50, 200),
     Workload("50x200-greedy", 50, 200, q0=0.5),
-    Workload("plane-50x100", 50, 100, size=20, plane=True),
+    Workload("plane-50x100", 50, 100, size=20, world="plane"),
+    Workload("bees", 40, 1000, size=20, world="discs"),
 )
 TINY = Workload("tiny", 3, 4, size=9)
 """For trying things out; no table shows it unless asked."""
@@ -117,15 +133,19 @@ def vast_scenario(size: int = 512, boxes: int = 200) -> Scenario:
 
 def our_planner(workload: Workload) -> Work:
     """Return a turn of antgym's own planner."""
-    from antgym.planners.colony import plan  # brings numba, which the memory of another code must not count
+    from antgym.planners.planning import plan  # brings numba, which the memory of another code must not count
 
-    scenario, rules = workload.scenario(), workload.rules
-    effort = {"ants": workload.ants, "iterations": workload.iterations}
-    return lambda seed: plan(scenario, PARAMETERS, rules=rules, seed=seed, **effort).moves
+    scenario, setting = workload.scenario(), workload.parameters
+    effort: dict[str, Any] = {
+        "rules": workload.rules,
+        "ants": workload.ants,
+        "iterations": workload.iterations,
+    }
+    return lambda seed: plan(scenario, setting, seed=seed, **effort).moves
 
 
 def our_optimum(workload: Workload) -> Work:
-    """Return a turn of the exact planner: dynamic programming over layers, A* on a plane."""
+    """Return a turn of the exact planner: dynamic programming over layers, A* on a plane, tangents past discs."""
     from antgym.maps.optimum import shortest_length
 
     scenario = workload.scenario()

@@ -49,6 +49,7 @@ def page(env_id: str) -> Markdown:
         ranges_note(facts["rules"].split(", ")),
         "## Card",
         _summary(entry, card),
+        f"Flat: {entry.flat}." if entry.flat else "",
         f"```json\n{json.dumps(card, indent=2, ensure_ascii=False)}\n```" if card else "",
         f"Entry points: `{entry.entry_point}`, vector `{entry.vector_entry_point}`.",
     ]
@@ -56,8 +57,8 @@ def page(env_id: str) -> Markdown:
 
 
 def _summary(entry: Entry, card: dict[str, Any] | None) -> str:
-    """Return the line on a card that says what there is to win in a regime."""
-    return summary(card, steered=entry.regime == "Control")
+    """Return the line on a card that says what there is to win in a regime, and whether the world is marked flat."""
+    return summary(card, steered=entry.regime == "Control") + (" (flat)" if entry.flat else "")
 
 
 def _spaced(parts: list[str]) -> list[str]:

@@ -3,8 +3,8 @@
 import importlib.util
 import json
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.console import write_whole
-from antgym.errors import MissingExtraError
+from antgym.errors import MissingExtraError, ParameterError
 from antgym.exports import path_csv, poses_json
 from antgym.maps.folders import rules_for
 from antgym.maps.map import Map
@@ -22,7 +22,7 @@ from antgym.maps.obstacles import Filled, convex
 from antgym.maps.readers import read_map
 from antgym.maps.world import Scenario
 from antgym.planners.colony import Plan, plan
-from antgym.planners.parameters import LIMITS, ColonyParameters
+from antgym.planners.parameters import BEE_LIMITS, LIMITS, ColonyParameters
 from antgym.planners.rules import find_rules
 from antgym.planners.smoothing import SmoothPath, smooth
 
@@ -121,6 +121,13 @@ def require_matplotlib() -> None:
         raise MissingExtraError("matplotlib", "viz")
 
 
+def require_left_out(command: "PlanFile", options: Iterable[str], reason: str) -> None:
+    """Raise ParameterError where one of these options was given, which would have no effect."""
+    for field in fields(command):
+        if field.name in options and getattr(command, field.name) != field.default:
+            raise ParameterError(f"--{field.name.replace('_', '-')} has no effect here: {reason}")
+
+
 def write(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> None:
     """Write the files of what was found, each whole or not at all, and say so; ``more`` joins the JSON."""
     for path, data in files(found, stem, more).items():
@@ -138,6 +145,11 @@ def read_file(command: "Reading", file: Path) -> Map:
 
 def read(command: "MapFile") -> Question:
     """Read the file and return the map, and the scenario that the command's ends, motion and rules make of it."""
+    if not command.start or not command.goal:
+        raise ParameterError(
+            f"{command.file}: ants need --start and --goal; a scene of discs holds its own, and is planned by bees, as "
+            "--rules wu2018"
+        )
     map_ = read_file(command, command.file)
     start, goal = (map_.end(getattr(command, name), name, command.unit) for name in ("start", "goal"))
     motion = map_.motion if command.motion is None else Motion(command.motion)
@@ -154,6 +166,7 @@ def read(command: "MapFile") -> Question:
 def find(command: "PlanFile") -> Found:
     """Read the file and plan."""
     question = read(command)
+    require_left_out(command, BEE_LIMITS, f"rules {question.rules!r} are of ants")
     scenario, rules = question.scenario, find_rules(question.rules)
     default = rules.ranges.space(scenario.straight_line, rules.initial_pheromone).default.tolist()
     given = [getattr(command, name) for name in LIMITS]
@@ -218,19 +231,20 @@ def files(found: Found, stem: Path, more: Mapping[str, Any] | None = None) -> di
     points = found.question.map.points(cells)
     record = {**_record(found, points), **(more or {})}
     written = {
-        _beside(stem, ".csv"): path_csv(cells, points),
-        _beside(stem, ".json"): (json.dumps(record, indent=2) + "\n").encode(),
-        _beside(stem, ".poses.json"): poses_json(points),
+        beside(stem, ".csv"): path_csv(cells, points),
+        beside(stem, ".json"): (json.dumps(record, indent=2) + "\n").encode(),
+        beside(stem, ".poses.json"): poses_json(points),
     }
     if found.smoothed is not None:
         smooth_rows = (",".join(map(repr, point)) for point in found.smooth_points.tolist())
-        written[_beside(stem, ".smooth.csv")] = "\n".join(("x,y,z", *smooth_rows, "")).encode()
+        written[beside(stem, ".smooth.csv")] = "\n".join(("x,y,z", *smooth_rows, "")).encode()
     if found.command.picture:
-        written[_beside(stem, ".png")] = picture(found)
+        written[beside(stem, ".png")] = picture(found)
     return written
 
 
-def _beside(stem: Path, suffix: str) -> Path:
+def beside(stem: Path, suffix: str) -> Path:
+    """Return the path of a file beside a stem."""
     return stem.with_name(stem.name + suffix)  # not with_suffix: a stem may hold a dot
 
 

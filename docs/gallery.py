@@ -15,11 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
-from antgym import Scenario, SuiteItem, TuningProblem, load_suite
+from antgym import Scenario, SuiteItem, TuningProblem, load_suite, plan_scene
 from antgym.envs.catalogue import WORLDS
 from antgym.maps.discs import DiscScenario, DiscWorld
 from antgym.maps.optimum import shortest_path
@@ -63,8 +62,8 @@ PANELS = (
     Panel("Open", "mazes", 25),
     Panel("Open", "warehouse", 59),
     Panel("Bee", "corridors", 3),
-    Panel("Bee", "scatter", 1),
-    Panel("TabuBee", "wu2018", 7),
+    Panel("Bee", "scatter", 5),
+    Panel("TabuBee", "wu2018", 3),
 )
 
 
@@ -142,7 +141,7 @@ def draw(axes: Any, panel: Panel) -> None:
     """Draw one panel and say what it shows."""
     item = load_suite(WORLDS[panel.world], panel.split)[panel.index]
     scenario, plan = item.scenario, tuned(item)
-    size = (draw_discs if isinstance(scenario.world, DiscWorld) else draw_grid)(axes, scenario, plan.path)
+    size = (draw_scene if isinstance(scenario.world, DiscWorld) else draw_grid)(axes, scenario, plan.path)
     gap = plan.length / scenario.optimum - 1
     axes.set_title(f"{panel.world}: {panel.title}", loc="left", pad=19, **TITLE)
     axes.text(0, 1.02, f"{size}, {item.rules}, gap {gap:.0%}", transform=axes.transAxes, **NOTE)
@@ -151,13 +150,9 @@ def draw(axes: Any, panel: Panel) -> None:
     axes.axis("off")
 
 
-def draw_discs(axes: Any, scenario: DiscScenario, path: NDArray[np.float64]) -> str:
+def draw_scene(axes: Any, scenario: DiscScenario, path: NDArray[np.float64]) -> str:
     """Draw discs from above, a path and the optimum; return how many discs there are."""
-    x_min, x_max, y_min, y_max = scenario.world.bounds
-    box = Rectangle((x_min, y_min), x_max - x_min, y_max - y_min, facecolor=FLOOR)
-    axes.add_patch(box)
-    for x, y, radius in scenario.world.grown.tolist():
-        axes.add_patch(Circle((x, y), radius, facecolor=SUMMIT)).set_clip_path(box)
+    plan_scene.draw_discs(axes, scenario.world, FLOOR, SUMMIT)
     for line, style in ((path, COLONY), (shortest_path(scenario), OPTIMUM)):
         axes.plot(*np.asarray(line).T, **style)
     for point, style in ((scenario.start, START), (scenario.goal, GOAL)):

@@ -1,19 +1,11 @@
-"""Throw random disc worlds, rules and parameters at the bees and see what breaks; by hand, never in CI.
+"""Random disc worlds, rules and parameters for the bees, and what must hold of every plan; ``fuzz.py`` runs them."""
 
-    NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=/tmp/bounds python -m experiments.bee_fuzz --cases 10000
-
-Every case is a function of its number, so that a failure can be looked at alone: ``--first N --cases 1``.
-"""
-
-import itertools
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.console import main, parse, progress
 from antgym.errors import ScenarioError
 from antgym.maps.discs import DiscScenario, DiscWorld, path_length
 from antgym.maps.world import Scenario
@@ -24,16 +16,6 @@ from antgym.planners.plans import Plan
 
 NEARLY = 1e-8  # of a world's extent and of its optimum: what rounding may do
 EXTREMES = {"limit": (1.0, 1e4), "xi_max": (1e-3, 1e3), "xi_min": (1e-3, 1e3), "tabu_radius": (1e-6, 1e12)}
-
-
-@dataclass(frozen=True)
-class Arguments:
-    """Fuzz the bees: no crash, no NaN, no path that touches a disc or is shorter than the optimum."""
-
-    cases: int = 10_000
-    """How many cases."""
-    first: int = 0
-    """Number of the first."""
 
 
 def scenario(rng: np.random.Generator) -> DiscScenario | None:
@@ -131,18 +113,3 @@ def _fault(question: DiscScenario, found: Plan) -> str:
     return (
         "" if found.length >= optimum * (1 - NEARLY) else f"length {found.length} below the optimum {optimum}"
     )
-
-
-def script() -> None:
-    """Run the command line."""
-    arguments = parse(Arguments, None, "python -m experiments.bee_fuzz")
-    solved = 0
-    with progress(f"{arguments.cases:,} cases", arguments.cases) as advance:
-        for case in itertools.islice(itertools.count(arguments.first), arguments.cases):
-            solved += check(case)
-            advance(1)
-    print(f"{arguments.cases:,} cases from {arguments.first}: nothing wrong; a bee arrived in {solved:,}")
-
-
-if __name__ == "__main__":
-    main(script, interrupted="interrupted")

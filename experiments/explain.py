@@ -20,18 +20,25 @@ import agents
 from agents.policy import PolicyAgent
 from antgym.console import main, parse, progress, write_whole
 from antgym.errors import MissingExtraError, ParameterError
+from antgym.maps.features import Feature
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.planners.batch import MOST_EFFORT
+from antgym.planners.planning import are_bees
+from antgym.planners.swarms import fewest
 from antgym.tuning.agent import Agent
-from antgym.tuning.features import EFFORT_FEATURES, RULE_FEATURES, TASK_FEATURES
+from antgym.tuning.features import EFFORT_FEATURES, is_rule, task_table
 from antgym.tuning.problem import Task, TuningProblem
 from experiments.tune import find_agent
 
 Floats = NDArray[np.float64]
 FACTORS = (1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8)  # of the effort
 SHOWN = 12  # features in table and picture
-EXPLAINED = tuple(f for f in TASK_FEATURES if f not in (*EFFORT_FEATURES, *RULE_FEATURES))
-"""Rules are no number that moves, and effort is moved for itself."""
+
+
+def explained(rules: str) -> tuple[Feature, ...]:
+    """Return the features that are moved under some rules: a rule is no number, and effort is moved for itself."""
+    table = task_table(are_bees(rules))
+    return tuple(f for f in table if f not in EFFORT_FEATURES and not is_rule(f))
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,7 @@ class Explanation(NamedTuple):
         item: the map.
         names: of the parameters, d.
         unit: (d,) the setting recommended.
+        features: that were moved.
         here: (features,) values on the map.
         spans: (features, 2) 10 and 90 % quantiles of the donors' values.
         moved: (features,) mean distance in the unit cube by which the donors' values move the setting.
@@ -71,6 +79,7 @@ class Explanation(NamedTuple):
     item: SuiteItem
     names: tuple[str, ...]
     unit: Floats
+    features: tuple[Feature, ...]
     here: Floats
     spans: Floats
     moved: Floats
@@ -86,35 +95,38 @@ def explain(
     Args:
         agent: recommends without a trial.
         item: the map, its rules and its effort.
-        donors: (n, len(TASK_FEATURES)) features of train maps, n ≥ 2.
+        donors: (n, features of a task) of train maps, n ≥ 2.
         advance: called with the number of features that are done.
     """
     task = _task(item)
     unit = _choice(agent, task)
-    moved, trends = np.zeros(len(EXPLAINED)), np.zeros((len(EXPLAINED), len(unit)))
-    columns = [TASK_FEATURES.index(feature) for feature in EXPLAINED]
+    features, table = explained(item.rules), task_table(are_bees(item.rules))
+    moved, trends = np.zeros(len(features)), np.zeros((len(features), len(unit)))
+    columns = [table.index(feature) for feature in features]
     for row, column in enumerate(columns):
         values, choices = donors[:, column], np.tile(unit, (len(donors), 1))
         for i in np.flatnonzero(values != task.features[column]):
-            features = task.features.copy()
-            features[column] = values[i]
-            choices[i] = _choice(agent, replace(task, features=features))
+            changed = task.features.copy()
+            changed[column] = values[i]
+            choices[i] = _choice(agent, replace(task, features=changed))
         moved[row] = np.linalg.norm(choices - unit, axis=1).mean()
         middle = np.median(values)
         if (values > middle).any():
             trends[row] = choices[values > middle].mean(axis=0) - choices[values <= middle].mean(axis=0)
         advance(1)
     here, spans = task.features[columns].astype(float), np.quantile(donors[:, columns], (0.1, 0.9), axis=0).T
-    return Explanation(item, task.space.names, unit, here, spans, moved, trends, _efforts(agent, item))
+    return Explanation(
+        item, task.space.names, unit, features, here, spans, moved, trends, _efforts(agent, item)
+    )
 
 
 def _efforts(agent: Agent, item: SuiteItem) -> dict[str, list[tuple[int, Floats, Floats]]]:
     """Return what an agent recommends where there are fewer ants or more, fewer iterations or more."""
     found: dict[str, list[tuple[int, Floats, Floats]]] = {}
-    for name in ("ants", "iterations"):
+    for name, least in (("ants", fewest(item.rules)), ("iterations", 1)):
         rows = []
         counts = [round(getattr(item, name) * factor) for factor in FACTORS]
-        for count in dict.fromkeys(min(max(count, 1), MOST_EFFORT) for count in counts):
+        for count in dict.fromkeys(min(max(count, least), MOST_EFFORT) for count in counts):
             task = _task(item._replace(**{name: count}))
             unit = _choice(agent, task)
             rows.append((count, task.space.decode(unit)[0], unit))
@@ -136,10 +148,11 @@ def to_markdown(found: Explanation, agent: str) -> str:
     item, names = found.item, found.names
     natural = _task(item).space.decode(found.unit)[0]
     setting = ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, natural, strict=True))
+    swarm, rounds = ("bees", "cycles") if are_bees(item.rules) else ("ants", "iterations")
     lines = [
         f"# {agent} on {item.name}",
         "",
-        f"Rules {item.rules}, {item.ants} ants, {item.iterations} iterations: {setting}.",
+        f"Rules {item.rules}, {item.ants} {swarm}, {item.iterations} {rounds}: {setting}.",
         "",
         "How far a feature moves the setting in the unit cube when it takes its values on train maps, and by how much",
         "each parameter is higher under the upper half of these values than under the lower.",
@@ -151,7 +164,7 @@ def to_markdown(found: Explanation, agent: str) -> str:
         low, high = found.spans[row]
         trends = " | ".join(f"{value:+.3f}" for value in found.trends[row])
         cells = f"{found.here[row]:.2f} | {low:.2f} to {high:.2f} | {found.moved[row]:.3f} | {trends}"
-        lines.append(f"| {EXPLAINED[row].name} | {cells} |")
+        lines.append(f"| {found.features[row].name} | {cells} |")
     if not found.moved.any():
         lines += ["", "No feature moves it: the agent recommends the same on every map."]
     for name, rows in found.efforts.items():
@@ -173,7 +186,7 @@ def picture(found: Explanation, agent: str) -> bytes:
     figure = Figure(figsize=(15, 5), layout="constrained")
     bars, *panels = figure.subplots(1, 3, width_ratios=(5, 4, 4))
     most = _most(found)[::-1]
-    bars.barh([EXPLAINED[row].name for row in most], found.moved[most], color="#4c72b0")
+    bars.barh([found.features[row].name for row in most], found.moved[most], color="#4c72b0")
     bars.set_xlabel("how far it moves the setting, in the unit cube")
     for axis, (name, rows) in zip(panels, found.efforts.items(), strict=True):
         _draw_effort(axis, name, rows, found)
@@ -209,7 +222,8 @@ def run(arguments: Arguments) -> list[Path]:
         if not 0 <= index < len(items):
             raise ParameterError(f"--index {index}: this split holds 0 to {len(items) - 1}")
     train = load_suite(arguments.suite, "train")[: arguments.donors]
-    with progress(f"explaining {name}", len(arguments.index) * len(EXPLAINED)) as advance:
+    moved = len(explained(train[0].rules))
+    with progress(f"explaining {name}", len(arguments.index) * moved) as advance:
         donors = np.stack([_task(item).features for item in train]).astype(np.float64)
         found = [explain(agent, items[index], donors, advance) for index in arguments.index]
     files = []

@@ -1,13 +1,14 @@
 """Throw random worlds, rules and parameters at the planner and see what breaks; by hand, never in CI.
 
     NUMBA_BOUNDSCHECK=1 python -m experiments.fuzz --cases 10000
+    NUMBA_BOUNDSCHECK=1 python -m experiments.fuzz --swarm bees
 
 Every case is a function of its number, so that a failure can be looked at alone: ``--first N --cases 1``.
 """
 
 import itertools
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from antgym.maps.moves import legal_moves
 from antgym.maps.world import Cell, GridWorld, Scenario
 from antgym.planners.colony import Colony, Plan, plan
 from antgym.planners.rules import PAPERS, TARGETS, TRAPS, Rules
+from experiments import bee_fuzz
 
 MOTIONS = tuple(Motion(name, corners=corners) for name, rules in CORNERS.items() for corners in rules)
 LAYERED = (Motion(), Motion(check_segments=False))
@@ -34,6 +36,8 @@ EXTREMES = {  # low, high, and whether between them logarithmically
 class Arguments:
     """Fuzz the planner: no crash, no NaN, no path that is invalid or shorter than the optimum."""
 
+    swarm: Literal["ants", "bees"] = "ants"
+    """Who is fuzzed."""
     cases: int = 10_000
     """How many cases."""
     first: int = 0
@@ -149,12 +153,14 @@ def _split(whole: Plan, colony: Colony, values: NDArray[np.float64], first: int)
 def script() -> None:
     """Run the command line."""
     arguments = parse(Arguments, None, "python -m experiments.fuzz")
+    check_one = {"ants": check, "bees": bee_fuzz.check}[arguments.swarm]
     solved = 0
     with progress(f"{arguments.cases:,} cases", arguments.cases) as advance:
         for case in itertools.islice(itertools.count(arguments.first), arguments.cases):
-            solved += check(case)
+            solved += check_one(case)
             advance(1)
-    print(f"{arguments.cases:,} cases from {arguments.first}: nothing wrong; an ant arrived in {solved:,}")
+    found = f"one of the {arguments.swarm} arrived in {solved:,}"
+    print(f"{arguments.cases:,} cases from {arguments.first}: nothing wrong; {found}")
 
 
 if __name__ == "__main__":

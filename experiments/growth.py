@@ -83,7 +83,7 @@ def vast(base: Workload, repeats: int) -> dict[str, float]:
     scenario = vast_scenario()
 
     def on_the_cube(q0: float) -> Work:
-        effort: dict[str, Any] = {"rules": base.rules._replace(q0=q0), **VAST_EFFORT}
+        effort: dict[str, Any] = {"rules": base._replace(q0=q0).rules, **VAST_EFFORT}
         return lambda seed: plan(scenario, PARAMETERS, seed=seed, **effort).moves
 
     works = {"move": on_the_cube(0.0), "revisit": on_the_cube(1.0)}

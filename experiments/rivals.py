@@ -30,9 +30,9 @@ class Code(NamedTuple):
     Attributes:
         name: as the tables show it.
         entry: ``"module:function"``; the function takes a workload and returns a turn.
-        moves: whether it walks ants, so that time per move means something.
+        moves: whether it walks ants or flies bees, so that time per move, or path, means something.
         part: a turn walks one ``part``-th of the iterations, because a whole plan takes too long.
-        worlds: which workloads it can take: ``"mountains"``, ``"plane"`` or ``"both"``.
+        worlds: of the workloads that it can take.
         note: where its question is not ours.
     """
 
@@ -40,12 +40,12 @@ class Code(NamedTuple):
     entry: str
     moves: bool = True
     part: int = 1
-    worlds: str = "mountains"
+    worlds: tuple[str, ...] = ("mountains",)
     note: str = ""
 
     def takes(self, workload: Workload) -> bool:
         """Whether it can plan this workload."""
-        return self.worlds in ("both", "plane" if workload.plane else "mountains")
+        return workload.world in self.worlds
 
     def prepare(self, workload: Workload) -> Work:
         """Return the turn; MissingExtraError where the package is absent."""
@@ -61,10 +61,11 @@ class Code(NamedTuple):
 
 
 DRAWS = "draws every move, whatever q0"
+ALL = ("mountains", "plane", "discs")
 
 CODES = (
-    Code("antgym", "antgym.bench:our_planner", worlds="both"),
-    Code("plain numba port", "experiments.speed:plain_port", note=DRAWS),
+    Code("antgym", "antgym.bench:our_planner", worlds=ALL),
+    Code("plain numba port", "experiments.ports:colony_port", note=DRAWS),
     Code("numpy, ants vectorised", "experiments.rivals:numpy_colony", part=10, note=DRAWS),
     Code(
         "aco-routing 1.2.1",
@@ -76,10 +77,16 @@ CODES = (
         "python-motion-planning 1.1.1",
         "experiments.rivals:python_motion_planning",
         part=10,
-        worlds="plane",
+        worlds=("plane",),
         note="same plane, effort and parameters",
     ),
-    Code("exact: ours", "antgym.bench:our_optimum", moves=False, worlds="both"),
+    Code("antgym, wu2018", "experiments.bee_rivals:tabu_bees", worlds=("discs",), note="tabu colony"),
+    Code("plain numba port", "experiments.ports:hive_port", worlds=("discs",), note="all segments, always"),
+    Code("mealpy", "experiments.bee_rivals:mealpy", part=100, worlds=("discs",), note="our cost, in numpy"),
+    Code(
+        "beecolpy", "experiments.bee_rivals:beecolpy", part=100, worlds=("discs",), note="our cost, in numpy"
+    ),
+    Code("exact: ours", "antgym.bench:our_optimum", moves=False, worlds=ALL),
     Code("exact: scipy Dijkstra", "experiments.rivals:dijkstra", moves=False, note="the graph is given"),
 )
 

@@ -1,4 +1,4 @@
-"""How fast the planner is: CPU time per ant move, as a ratio to other codes that take turns with it in the same run.
+"""How fast the planner is: CPU time per move of an ant, or path of a bee, as a ratio to codes that take turns with it.
 
     python -m experiments.speed --json out/speed.json --figure out/growth.png
 
@@ -7,11 +7,9 @@ with ``pip install -e ".[bench]"``; where they are absent their rows say so. An 
 a shortest path: the exact planners stand in the table too.
 """
 
-import hashlib
-import inspect
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,15 +17,12 @@ from statistics import median
 from typing import Annotated, Any
 
 import numba
-import numpy as np
 import tyro
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from antgym.bench import (
-    PARAMETERS,
     Work,
     Workload,
     find_workloads,
@@ -37,10 +32,10 @@ from antgym.bench import (
 )
 from antgym.console import main, parse, write_whole
 from antgym.errors import MissingExtraError, ParameterError
-from antgym.maps.motion import move_table
-from antgym.planners.colony import plan_many
+from antgym.planners.planning import plan_many
 from experiments import batches
 from experiments.growth import figure, growth, to_sentence, to_table, vast
+from experiments.ports import plain_digest
 from experiments.rivals import CODES, Code, peak_megabytes
 
 GATE = "30x150"
@@ -55,11 +50,12 @@ class Arguments:
     repeats: int = 5
     """Turns of each code; the median counts."""
     workload: tuple[str, ...] = ()
-    """Workloads by name (20x100, 30x150, 50x200, 50x200-greedy, plane-50x100); all by default."""
+    """Workloads by name (20x100, 30x150, 50x200, 50x200-greedy, plane-50x100, bees); all by default."""
     memory: bool = True
     """Whether to measure peak memory, a fresh process for every code."""
     growth: bool = True
-    """Whether to measure how cost grows with ants, iterations, layers and world, up to a cube of 512 cells a side."""
+    """Whether to measure how the cost of ants grows with ants, iterations, layers and world, up to a cube of 512 cells
+    a side."""
     two_threads: bool = True
     """Whether to measure what a second thread gains."""
     envs: bool = True
@@ -68,89 +64,6 @@ class Arguments:
     """File to write the figures to."""
     figure: Path | None = None
     """PNG to draw cost growth into; needs matplotlib."""
-
-
-@numba.njit
-def plain_colony(
-    free: NDArray[np.uint8],
-    crossed: NDArray[np.int64],
-    start: NDArray[np.int64],
-    goal: NDArray[np.int64],
-    cell: float,
-    parameters: tuple[float, float, float, float],
-    ants: int,
-    iterations: int,
-    seed: int,
-) -> tuple[float, int]:
-    """Walk liu2020's equations as they are printed: 50 powers a move, all pheromone swept every iteration."""
-    np.random.seed(seed)  # noqa: NPY002 - numba's generator inside compiled code
-    alpha, beta, rho, q = parameters
-    nx, ny, nz = free.shape
-    tau = np.ones((nx, ny, nz, 25))
-    layers = goal[0] - start[0]
-    weights = np.empty(25)
-    paths = np.empty((ants, layers, 3), np.int64)
-    best, moves = np.inf, 0
-    for _ in range(iterations):
-        lengths = np.full(ants, np.inf)
-        for a in range(ants):
-            x, y, z = start[0], start[1], start[2]
-            length = 0.0
-            for layer in range(layers):
-                total = 0.0
-                for k in range(25):
-                    yn, zn = y + crossed[2, k, 1], z + crossed[2, k, 2]
-                    left = 2 * (layers - layer - 1)
-                    feasible = 0.0  # S of (6)
-                    reachable = abs(yn - goal[1]) <= left and abs(zn - goal[2]) <= left
-                    if reachable and 0 <= yn < ny and 0 <= zn < nz:
-                        feasible = 1.0
-                        for part in range(3):
-                            dx, dy, dz = crossed[part, k, 0], crossed[part, k, 1], crossed[part, k, 2]
-                            feasible *= free[x + dx, y + dy, z + dz]
-                    step = cell * np.sqrt(1.0 + (yn - y) ** 2 + (zn - z) ** 2)
-                    far = (goal[0] - x - 1) ** 2 + (goal[1] - yn) ** 2 + (goal[2] - zn) ** 2
-                    eta = feasible / (step + cell * np.sqrt(far))
-                    weights[k] = tau[x, y, z, k] ** alpha * eta**beta
-                    total += weights[k]
-                if total == 0.0:
-                    length = np.inf
-                    break
-                mark, k = np.random.random() * total, 0  # noqa: NPY002
-                mark -= weights[0]
-                while mark >= 0.0 and k < 24:
-                    k += 1
-                    mark -= weights[k]
-                paths[a, layer] = (y, z, k)
-                yn, zn = y + crossed[2, k, 1], z + crossed[2, k, 2]
-                length += cell * np.sqrt(1.0 + (yn - y) ** 2 + (zn - z) ** 2)
-                x, y, z = x + 1, yn, zn
-                moves += 1
-            lengths[a] = length
-            best = min(best, length)
-        tau *= rho
-        for a in range(ants):
-            if lengths[a] < np.inf:
-                for layer in range(layers):
-                    y, z, k = paths[a, layer]
-                    tau[start[0] + layer, y, z, k] += q / lengths[a]
-    return best, moves
-
-
-def plain_port(workload: Workload) -> Work:
-    """Return a turn of the plain port."""
-    scenario = workload.scenario()
-    table = move_table(scenario.motion)
-    crossed = np.stack([table.before, table.after, table.steps])
-    ends = (np.array(scenario.start), np.array(scenario.goal))
-    free, cell = np.ascontiguousarray(scenario.world.free), scenario.world.cell[0]
-    effort = (workload.ants, workload.iterations)
-    return lambda seed: int(plain_colony(free, crossed, *ends, cell, PARAMETERS, *effort, seed)[1])
-
-
-def plain_digest() -> str:
-    """Return the hash of the plain port's source: ratios to another source are other ratios."""
-    return hashlib.sha256(inspect.getsource(plain_colony.py_func).encode()).hexdigest()[:16]
 
 
 @numba.njit(nogil=True)
@@ -205,13 +118,13 @@ def _figures(
 
 def thread_gain(workload: Workload, repeats: int) -> dict[str, float]:
     """Return how much more two threads do than one: plan_many, an arithmetic-only kernel, and the share of the two."""
-    scenarios, rules = [workload.scenario()] * BATCH, workload.rules
+    scenarios, settings, rules = [workload.scenario()] * BATCH, [workload.parameters] * BATCH, workload.rules
     effort: dict[str, Any] = {"ants": workload.ants, "iterations": workload.iterations, "seeds": range(BATCH)}
     rounds = 20_000_000
 
     def plans(count: int) -> None:
         with threads(count):
-            plan_many(scenarios, [PARAMETERS] * BATCH, rules=rules, **effort)
+            plan_many(scenarios, settings, rules=rules, **effort)
 
     with ThreadPoolExecutor(2) as pool:
 
@@ -234,9 +147,16 @@ def _wall(work: Callable[[int], None], count: int) -> float:
 
 def side_by_side(workload: Workload, rows: list[dict[str, Any]], load: float | None) -> Table:
     """Return one workload's table."""
-    title = f"{workload.name}, one thread, load average {load} (plain port {plain_digest()})"
+    title = f"{workload.name}, one thread, load average {load} (plain port {plain_digest(workload.world)})"
     table = Table(title=title)
-    for heading in ("code", "ns/move", "ratio to ours", "plans/s", "peak MB", "note"):
+    for heading in (
+        "code",
+        "ns/path" if workload.world == "discs" else "ns/move",
+        "ratio to ours",
+        "plans/s",
+        "peak MB",
+        "note",
+    ):
         table.add_column(heading, justify="left" if heading in ("code", "note") else "right")
     for row in rows:
         values = (row.get(name) for name in ("ns_per_move", "ratio", "plans_per_second", "peak_mb"))
@@ -249,10 +169,12 @@ def side_by_side(workload: Workload, rows: list[dict[str, Any]], load: float | N
 
 def run(arguments: Arguments) -> dict[str, Any]:
     """Measure what is asked for, print the tables, write the files, return the figures."""
+    workloads = find_workloads(arguments.workload)
     if arguments.repeats < 1:
         raise ParameterError(f"repeats = {arguments.repeats}: at least one turn is needed")
+    if arguments.figure is not None and not _of_ants(workloads):
+        raise ParameterError("--figure shows how the cost of ants grows; name a workload of theirs too")
     console = Console(width=None if Console().is_terminal else 160)
-    workloads = find_workloads(arguments.workload)
     load = load_average()
     figures: dict[str, Any] = {
         "plain_port": plain_digest(),
@@ -268,11 +190,28 @@ def run(arguments: Arguments) -> dict[str, Any]:
         console.print(side_by_side(workload, rows, load))
     if arguments.memory:
         console.print(f"peak memory of a process that only imports numpy: {figures['memory_baseline_mb']} MB")
-    if arguments.growth or arguments.figure is not None:
-        base = workloads[0]
+    figures |= _beside_the_tables(arguments, workloads, console)
+    if arguments.out is not None:
+        write_whole(arguments.out, (json.dumps(figures, indent=2) + "\n").encode())
+    if arguments.figure is not None:
+        write_whole(arguments.figure, figure(figures["growth"]))
+    return figures
+
+
+def _of_ants(workloads: Sequence[Workload]) -> list[Workload]:
+    return [workload for workload in workloads if workload.world != "discs"]
+
+
+def _beside_the_tables(
+    arguments: Arguments, workloads: Sequence[Workload], console: Console
+) -> dict[str, Any]:
+    """Measure growth, a second thread and batches, as far as asked for; print and return the figures."""
+    figures: dict[str, Any] = {}
+    bases = _of_ants(workloads)[:1]
+    for base in bases if arguments.growth or arguments.figure is not None else ():
         figures["growth"] = growth(base, arguments.repeats)
         console.print(to_table(figures["growth"], base))
-    if arguments.growth:
+    for base in bases if arguments.growth else ():
         figures["vast"] = vast(base, arguments.repeats)
         console.print("a cube of 512 cells a side, 20 ants x 20 iterations:", to_sentence(figures["vast"]))
     if arguments.two_threads:
@@ -281,10 +220,6 @@ def run(arguments: Arguments) -> dict[str, Any]:
     if arguments.envs:
         figures["envs"] = batches.batches(arguments.repeats)
         console.print("a batch of environments:", batches.to_sentence(figures["envs"]))
-    if arguments.out is not None:
-        write_whole(arguments.out, (json.dumps(figures, indent=2) + "\n").encode())
-    if arguments.figure is not None:
-        write_whole(arguments.figure, figure(figures["growth"]))
     return figures
 
 

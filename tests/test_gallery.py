@@ -62,11 +62,13 @@ def test_discs_are_drawn_within_their_bounds_with_both_paths_and_both_ends(galle
     from matplotlib.figure import Figure
 
     axes = Figure().subplots()
-    gallery.draw(axes, gallery.Panel("Bee", "corridors", 7))
+    item = load_suite("bee-v0", "test")[7]
+    gallery.draw(axes, gallery.Panel("Bee", item.family, 7))
+    assert item.rules == "abc_standard"  # twelve way-points and two ends
     assert [len(line.get_xdata()) for line in axes.lines][::2] == [14, 1]
-    assert len(axes.patches) == 1 + 24
+    assert len(axes.patches) == 1 + len(item.scenario.world.discs)
     assert all(disc.clipbox is not axes.bbox for disc in axes.patches[1:])
-    assert axes.texts[0].get_text().startswith("24 discs, ")
+    assert axes.texts[0].get_text().startswith(f"{len(item.scenario.world.discs)} discs, {item.rules}, gap ")
 
 
 def test_the_picture_is_there_and_small():

@@ -6,7 +6,10 @@ import gymnasium
 
 
 class Entry(NamedTuple):
-    """One environment id: its regime's entry points and the keyword arguments that make it this world."""
+    """One environment id: its regime's entry points and the keyword arguments that make it this world.
+
+    ``flat`` says why choosing well is worth little in this world; it is empty where it is worth something.
+    """
 
     id: str
     entry_point: str
@@ -14,6 +17,7 @@ class Entry(NamedTuple):
     kwargs: dict[str, Any]
     world: str
     regime: str
+    flat: str = ""
 
 
 WORLDS = {
@@ -34,8 +38,15 @@ REGIMES = {
 }
 """Every regime and its entry points: one environment, and the native batch."""
 
+_SELF_SCALING = (
+    "a bee moves by a share of the distance between two sources, which shrinks as they agree, so that one setting "
+    "suits nearly every map and effort"
+)
+FLAT = {"Bee": _SELF_SCALING, "TabuBee": _SELF_SCALING}
+"""Worlds whose headroom stayed below the bar after they were widened twice, and why; their cards log what was tried."""
+
 CATALOGUE = tuple(
-    Entry(f"antgym/{world}{regime}-v0", *entry_points, {"suite": suite}, world, regime)
+    Entry(f"antgym/{world}{regime}-v0", *entry_points, {"suite": suite}, world, regime, FLAT.get(world, ""))
     for world, suite in WORLDS.items()
     for regime, entry_points in REGIMES.items()
 )

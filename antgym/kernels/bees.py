@@ -1,6 +1,6 @@
 """The bee kernel: one hive for every rule, over paths of way-points among discs.
 
-Why it looks as it does (``experiments/bee_speed.py`` measures it):
+Why it looks as it does (``experiments/speed.py`` measures it):
 
 * A bee moves one coordinate of one way-point, so two segments change; what the others add up to is kept per source.
 * A candidate whose length alone, with what is known of the untouched segments, costs as much as its source already is

@@ -118,6 +118,15 @@ def _odd(low: int, high: int) -> tuple[int, ...]:
     return tuple(range(low, high + 1, 2))
 
 
+def _unseen(strands: tuple[Strand, ...]) -> tuple[Strand, ...]:
+    """Return what lies outside of strands among discs: a third of it more discs, the rest rings."""
+    more = tuple(strand._replace(sizes=(48, 64)) for strand in strands)
+    return more + tuple(
+        strand._replace(families=("rings",), sizes=(16, 24, 32), weight=2 * strand.weight)
+        for strand in strands
+    )
+
+
 _LADDER = (11, 13, 15, 17, 19, 23, 27, 31, 37, 43, 51, 61)  # each about a sixth more than the one before
 _LARGER = (67, 75)  # beyond, hardly a draw is worthwhile, and hardly an ant of the textbook's arrives
 _SOLIDS = ("ridges", "forest", "boxes", "caves", "pockets")
@@ -128,12 +137,23 @@ _FIELD = Strand(_SOLIDS, ("zhang_apf",), _odd(15, 27), (5, 40), (10, 200))
 _ROOM = Strand(("rooms",), ("zhang2011",), _odd(15, 31), (5, 40), (10, 150), most=WANDERING)
 _PALLET = Strand(("clutter",), ("wei2018",), (20,), (5, 40), (10, 150), most=WANDERING)
 _ANY = Strand(LAYERED, TEXTBOOK, _LADDER, (5, 50), (3, 200))
-# Way-points settle round scattered discs whatever the parameters; between walls these matter. wu2018 flies up to 1,000
-# cycles: with 20 to 400, three runs in four find nothing, and there is nothing to choose.
+# Way-points settle round scattered discs whatever the parameters; between walls these matter. With twelve way-points,
+# fewer than a hundred cycles find nothing; with four, tens of them do.
 _DISCS = Strand(("corridors",), ("wu2018",), (16, 20, 24, 32), (10, 60), (100, 2000), weight=2)
-_TABU_BEE = (_DISCS, _DISCS._replace(families=("wu2018", "scatter"), sizes=(12, 20, 32), weight=1))
-_BEE = tuple(strand._replace(rules=("wu2018-basic", "abc_standard", "abc_gbest")) for strand in _TABU_BEE)
-_MORE_DISCS = (48, 64)
+_SCATTERED = _DISCS._replace(families=("wu2018", "scatter"), sizes=(12, 20, 32), weight=1)
+_TABU_BEE = (
+    _DISCS,
+    _SCATTERED,
+    *(
+        strand._replace(rules=("wu2018-4",), ants=(5, 80), iterations=(20, 1000))
+        for strand in (_DISCS, _SCATTERED)
+    ),
+)
+_PLAIN = {
+    "wu2018": ("wu2018-basic", "abc_standard", "abc_gbest"),
+    "wu2018-4": ("abc_standard-4", "abc_gbest-4"),
+}
+_BEE = tuple(strand._replace(rules=_PLAIN[strand.rules[0]]) for strand in _TABU_BEE)
 # Weights add up to two for every rule, to nine for layered worlds and to nine for flat ones.
 _OPEN = (
     _ANY._replace(weight=2, rules=("liu2020",)),
@@ -178,12 +198,12 @@ SUITES: dict[str, Recipe] = {
     ),
     "bee-v0": Recipe(
         _BEE,
-        {**_COUNTS, "ood": 112},
-        ood=tuple(strand._replace(sizes=_MORE_DISCS) for strand in _BEE),
+        {**_COUNTS, "ood": 180},
+        ood=_unseen(_BEE),
     ),
     "tabu-bee-v0": Recipe(
         _TABU_BEE,
-        {**_COUNTS, "ood": 112},
-        ood=tuple(strand._replace(sizes=_MORE_DISCS) for strand in _TABU_BEE),
+        {**_COUNTS, "ood": 180},
+        ood=_unseen(_TABU_BEE),
     ),
 }

@@ -56,7 +56,7 @@ class BeeRules(NamedTuple):
 # of the list and the cap on redraws are ours, the print has neither
 _TABU: dict[str, Any] = {
     "tabu": 20,
-    "ranges": BeeRanges(xi_max=(0.1, 0.7, 2.0), xi_min=(0.02, 0.2, 1.0)),
+    "ranges": BeeRanges(xi_max=(0.1, 0.7, 4.0), xi_min=(0.02, 0.2, 4.0)),
     "source": "wu2018 (7)-(12)",
 }
 _STANDARD: dict[str, Any] = {"elite": False, "ranges": BeeRanges(limit=(1 / 48, 1.0, 10.0))}
@@ -69,6 +69,10 @@ BEE_PAPERS: dict[str, BeeRules] = {
     "wu2018-basic-paper": BeeRules(scout="neighbour", printed=True, source="wu2018 (1)-(10) as printed"),
     "abc_standard": BeeRules(**_STANDARD, source="Karaboga & Basturk 2007, (2.1)-(2.3)"),
     "abc_gbest": BeeRules(**_STANDARD, pull=1.5, source="Zhu & Kwong 2010, (6)"),
+    # wu2018 has "up to 12" way-points: four are untangled in tens of cycles, twelve in hundreds
+    "wu2018-4": BeeRules(**_TABU, points=4),
+    "abc_standard-4": BeeRules(**_STANDARD, points=4, source="Karaboga & Basturk 2007, (2.1)-(2.3)"),
+    "abc_gbest-4": BeeRules(**_STANDARD, points=4, pull=1.5, source="Zhu & Kwong 2010, (6)"),
 }
 SCOUTS = ("new", "neighbour")
 _BOUNDS: dict[str, tuple[float, float]] = {

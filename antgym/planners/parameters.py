@@ -91,12 +91,13 @@ class BeeRanges(NamedTuple):
 
     The limit is given over sources × dimensions, the tabu radius over the world's width × √dimensions, for a path of
     p way-points has 2·p dimensions. Two random paths lie 0.41 of that apart, give or take a tenth of it: the published
-    radius, 0.005, forbids next to nothing; only the upper end of the range does.
+    radius, 0.005, forbids next to nothing; only the upper end of the range does. A few bees with a few way-points have
+    limits from 1 on all the same.
     """
 
     limit: tuple[float, float, float] = (1 / 48, 1 / 12, 10.0)
-    xi_max: tuple[float, float, float] = (0.2, 1.0, 1.5)
-    xi_min: tuple[float, float, float] = (0.05, 1.0, 1.5)
+    xi_max: tuple[float, float, float] = (0.2, 1.0, 4.0)
+    xi_min: tuple[float, float, float] = (0.05, 1.0, 4.0)
     tabu_radius: tuple[float, float, float] = (0.0005, 1 / (40 * math.sqrt(24)), 0.5)
 
     def space(self, bees: int, points: int, width: float, tabu: bool = True) -> ParameterSpace:
@@ -111,9 +112,12 @@ class BeeRanges(NamedTuple):
         return _bee_space(self, (bees // 2) * 2 * points, width * math.sqrt(2 * points), tabu)
 
 
+_LEAST_LIMITS = (1.0, 1.5, 2.0)
+
+
 @lru_cache(maxsize=4096)
 def _bee_space(ranges: BeeRanges, tries: int, reach: float, tabu: bool) -> ParameterSpace:
-    low, default, high = (tries * x for x in ranges.limit)
+    low, default, high = (max(tries * x, least) for x, least in zip(ranges.limit, _LEAST_LIMITS, strict=True))
     near, usual, far = (reach * x for x in ranges.tabu_radius)
     parameters = (
         Parameter("limit", low, default, high, "log", "tries in vain before a source is abandoned"),

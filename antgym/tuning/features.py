@@ -46,6 +46,9 @@ BEE_RULES_SHOWN = (
     "wu2018-basic-paper",
     "abc_standard",
     "abc_gbest",
+    "wu2018-4",
+    "abc_standard-4",
+    "abc_gbest-4",
 )
 """Likewise of bees."""
 
@@ -56,8 +59,12 @@ def _rule_features(names: Sequence[str]) -> tuple[Feature, ...]:
     )
 
 
-RULE_FEATURES = _rule_features(RULES_SHOWN)
-TASK_FEATURES: tuple[Feature, ...] = (*FEATURES, *EFFORT_FEATURES, *NAIVE_FEATURES, *RULE_FEATURES)
+TASK_FEATURES: tuple[Feature, ...] = (
+    *FEATURES,
+    *EFFORT_FEATURES,
+    *NAIVE_FEATURES,
+    *_rule_features(RULES_SHOWN),
+)
 DISC_TASK_FEATURES: tuple[Feature, ...] = (
     *DISC_FEATURES,
     *EFFORT_FEATURES,
@@ -84,6 +91,11 @@ def task_table(discs: bool) -> tuple[Feature, ...]:
     return DISC_TASK_FEATURES if discs else TASK_FEATURES
 
 
+def is_rule(feature: Feature) -> bool:
+    """Return whether a feature shows which rules a task has."""
+    return feature.name.startswith(_RULES)
+
+
 def feature_bounds(features: Sequence[Feature]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return (low, high) of some features, float32 both."""
     low, high = [f.low for f in features], [f.high for f in features]
@@ -93,5 +105,5 @@ def feature_bounds(features: Sequence[Feature]) -> tuple[NDArray[np.float32], ND
 def shown_rules(features: NDArray[np.float32]) -> str | None:
     """Return the published rules that the features of a task show; None where they show rules of one's own."""
     table = DISC_TASK_FEATURES if len(features) == len(DISC_TASK_FEATURES) else TASK_FEATURES
-    shown = (f.name for f, value in zip(table, features, strict=True) if value and f.name.startswith(_RULES))
+    shown = (f.name for f, value in zip(table, features, strict=True) if value and is_rule(f))
     return next(shown, "").removeprefix(_RULES) or None

@@ -16,6 +16,7 @@ from experiments.headroom import measures
 from experiments.headroom.measures import Floats
 from experiments.headroom.pool import DESIGN, SCORE, Advance, Pool, Stage, cost, design, run_gaps, search
 from experiments.headroom.schedules import dynamic, schedule_runs
+from experiments.headroom.widenings import WIDENINGS
 
 FORMAT = "antgym card 2"  # a card that is measured in another way is another format
 INSIDE, EDGE = (
@@ -232,6 +233,7 @@ def measure(world: str, suite: str, preset_name: str, advance: Advance) -> dict[
         "bounds": at_bounds(found, gaps["VBS"], preset, advance),
         "SBS": [_digits(float(u)) for u in found.static],
         "SBS by rule": {rule: [_digits(float(u)) for u in unit] for rule, unit in found.by_rule.items()},
+        "widened": list(WIDENINGS.get(world, ())),
         "dynamic": dynamic(found.train, found.test, found.static, preset.schedule_maps, advance),
     }
 

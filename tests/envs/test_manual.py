@@ -36,7 +36,7 @@ def test_every_rule_has_its_row_of_ranges():
     assert [row.split(" | ")[0] for row in rows + bees] == [
         f"| {name}" for name in (*RULES_SHOWN, *BEE_RULES_SHOWN)
     ]
-    assert "| abc_standard | 0.02083 < 1 < 10 | 0.2 < 1 < 1.5 | 0.05 < 1 < 1.5 | – |" in bees
+    assert "| abc_standard | 0.02083 < 1 < 10 | 0.2 < 1 < 4 | 0.05 < 1 < 4 | – |" in bees
     assert (
         "| liu2020 | 0.01 < 1.303 < 5 | 0.02 < 8.423 < 10 | 0.01 < 0.4152 < 0.999 | 0.001 < 1.171 < 100 |"
         in rows

@@ -8,12 +8,12 @@ pytest.importorskip("matplotlib")
 from agents.search import ZeroShot
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
-from antgym.tuning.features import TASK_FEATURES
+from antgym.tuning.features import DISC_TASK_FEATURES, TASK_FEATURES
 from experiments import explain
-from experiments.explain import EXPLAINED, Arguments
+from experiments.explain import Arguments, explained
 
 ITEM = load_suite("mountain-v0", "test")[0]
-NAMES = [feature.name for feature in EXPLAINED]
+NAMES = [feature.name for feature in explained(ITEM.rules)]
 BLOCKED = [feature.name for feature in TASK_FEATURES].index("blocked")
 
 
@@ -38,6 +38,24 @@ def test_the_feature_that_is_looked_at_moves_the_choice_and_no_other(donors):
     assert np.delete(found.moved, row).tolist() == [0.0] * (len(NAMES) - 1)
     assert found.trends[row] == pytest.approx([0.0, 0.6, 0.0, 0.0])
     assert "| blocked |" in explain.to_markdown(found, "looker")
+
+
+def test_past_discs_it_is_the_features_of_discs_that_move_the_choice():
+    class Wary(ZeroShot):
+        """Raises the limit with the discs, and ξ_max with the bees."""
+
+        def _choose(self, task, seed):
+            discs = [feature.name for feature in DISC_TASK_FEATURES].index("discs")
+            return np.array([float(task.features[discs]), min(task.ants / 1000, 1.0), 0.5, 0.5])
+
+    items = load_suite("tabu-bee-v0", "train")[:8]
+    found = explain.explain(Wary(), items[0], np.stack([explain._task(item).features for item in items]))
+    names = [feature.name for feature in found.features]
+    assert set(np.flatnonzero(found.moved)) == {names.index("discs")}
+    assert not any(name.startswith("rules_") or name in ("ants", "iterations") for name in names)
+    counts = [count for count, _, _ in found.efforts["ants"]]
+    assert min(counts) >= 4
+    assert "bees" in explain.to_markdown(found, "wary")
 
 
 def test_effort_moves_the_choice_by_itself(donors):

@@ -19,13 +19,19 @@ import pytest
 from antgym import bench
 from antgym.errors import AntgymError, MissingExtraError, ParameterError
 from antgym.maps.optimum import shortest_length
-from antgym.planners.colony import plan
-from experiments import batches, growth, rivals, speed
+from antgym.planners.planning import plan
+from experiments import batches, growth, ports, rivals, speed
 
 ROOT = Path(__file__).parents[2]
-PINNED = "ded15506e5184388"
-PEERS = {"aco-routing 1.2.1": "aco_routing", "python-motion-planning 1.1.1": "python_motion_planning"}
+PINNED = {"mountains": "ded15506e5184388", "discs": "38f96583ac1da442"}
+PEERS = {
+    "aco-routing 1.2.1": "aco_routing",
+    "python-motion-planning 1.1.1": "python_motion_planning",
+    "mealpy": "mealpy",
+    "beecolpy": "beecolpy",
+}
 SMALL = bench.Workload("small", 10, 20, size=9)
+FEW_BEES = bench.Workload("few bees", 8, 300, world="discs")
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +47,6 @@ def figures(tmp_path_factory):
 def test_every_code_gives_finite_positive_figures_or_a_reason(figures):
     mountains = {code.name for code in rivals.CODES if code.takes(bench.TINY)}
     assert {row["code"] for row in figures["rows"]} == mountains
-    assert len(mountains) == len(rivals.CODES) - 1  # python-motion-planning plans planes alone
     for row in figures["rows"]:
         if row["skipped"] is None:
             values = [row[name] for name in ("ns_per_move", "ratio", "plans_per_second", "peak_mb")]
@@ -61,15 +66,23 @@ def test_our_own_ratio_is_one(figures):
     assert next(row["ratio"] for row in figures["rows"] if row["code"] == "antgym") == 1.0
 
 
-def test_the_plain_port_is_the_pinned_one(figures):
+def test_the_plain_ports_are_the_pinned_ones(figures):
     """Another source is another yardstick: whoever changes it says so, and old ratios do not compare."""
-    assert speed.plain_digest() == figures["plain_port"] == PINNED
+    assert {world: ports.plain_digest(world) for world in PINNED} == PINNED
+    assert figures["plain_port"] == PINNED["mountains"]
 
 
 @pytest.mark.slow
 def test_our_planner_is_well_ahead_of_the_plain_port():
     rows = speed.measure(bench.find_workloads((speed.GATE,))[0], repeats=7, memory=False)
     assert next(row["ratio"] for row in rows if row["code"] == "plain numba port") >= 15
+
+
+@pytest.mark.slow
+def test_our_bees_are_three_times_as_fast_as_the_plain_port():
+    rows = speed.measure(bench.find_workloads(("bees",))[0], repeats=7, memory=False)
+    assert next(row["ratio"] for row in rows if row["code"] == "plain numba port") > 3
+    assert all(row["ratio"] > 300 for row in rows if row["code"] in PEERS and row["skipped"] is None)
 
 
 @pytest.mark.slow
@@ -86,6 +99,22 @@ def test_the_plane_is_walked_and_solved_by_its_own_codes():
     assert next(row["ns_per_move"] for row in rows if row["code"] == "antgym") > 0
 
 
+def test_bees_stand_beside_their_own_codes():
+    rows = {row["code"]: row for row in speed.measure(FEW_BEES, repeats=1, memory=False)}
+    assert set(rows) == {"antgym", "antgym, wu2018", "plain numba port", "mealpy", "beecolpy", "exact: ours"}
+    for code in ("antgym", "antgym, wu2018", "plain numba port"):
+        assert rows[code]["ns_per_move"] > 0
+    for code in ("mealpy", "beecolpy"):
+        assert rows[code]["skipped"] is None or "antgym[bench]" in rows[code]["skipped"]
+    headings = [column.header for column in speed.side_by_side(FEW_BEES, list(rows.values()), None).columns]
+    assert "ns/path" in headings
+
+
+def test_without_ants_no_growth_is_measured():
+    with pytest.raises(ParameterError, match="--figure shows how the cost of ants grows"):
+        speed.run(speed.Arguments(workload=("bees",), figure=Path("growth.png")))
+
+
 def test_a_vast_scenario_is_one_at_any_size():
     small = bench.vast_scenario(24, boxes=3)
     assert small.world.shape == (24, 24, 24)
@@ -96,7 +125,7 @@ def test_a_vast_scenario_is_one_at_any_size():
 def test_codes_walk_about_as_many_moves_as_ours():
     """The same equations on the same map: what dies on the way is a matter of chance, not of the code."""
     ours = bench.our_planner(SMALL)(1)
-    for code in (speed.plain_port, rivals.numpy_colony):
+    for code in (ports.colony_port, rivals.numpy_colony):
         assert 0.9 < code(SMALL)(1) / ours < 1.1
 
 
@@ -191,10 +220,8 @@ def test_turns_alternate_and_each_has_its_own_seed():
 
 def test_every_workload_is_solved():
     for workload in bench.WORKLOADS:
-        found = plan(
-            workload.scenario(), bench.PARAMETERS, rules=workload.rules, ants=workload.ants, iterations=5
-        )
-        assert found.solved
+        effort = {"ants": workload.ants, "iterations": 300 if workload.world == "discs" else 5}
+        assert plan(workload.scenario(), workload.parameters, rules=workload.rules, **effort).solved
 
 
 @pytest.mark.parametrize(

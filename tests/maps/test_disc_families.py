@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antgym.errors import MapError
-from antgym.maps.generators.discs import DISC_FAMILIES, SAFE, START, corridors, scatter, wu2018
+from antgym.maps.generators.discs import DISC_FAMILIES, SAFE, corridors, rings, scatter, wu2018
 
 
 @pytest.mark.parametrize("family", DISC_FAMILIES)
@@ -14,7 +14,7 @@ def test_every_draw_has_a_path_and_the_discs_asked_for(family, count):
         scenario = DISC_FAMILIES[family](np.random.default_rng(seed), count)
         assert len(scenario.world.discs) == count
         assert scenario.optimum >= scenario.straight_line * (1 - 1e-12)
-        assert scenario.world.clearances([START, START])[0] > 0
+        assert scenario.world.clearances([scenario.start, scenario.start])[0] > 0
 
 
 @pytest.mark.parametrize("family", DISC_FAMILIES)
@@ -32,13 +32,15 @@ def test_the_paper_world_has_twenty_obstacles_and_a_clearance_to_keep():
 
 def test_a_scatter_may_hold_no_disc_and_corridors_need_some():
     assert len(scatter(np.random.default_rng(0), 0).world.discs) == 0
-    with pytest.raises(MapError, match="at least 8 discs, got 3"):
-        corridors(np.random.default_rng(0), 3)
+    for family in (corridors, rings):
+        with pytest.raises(MapError, match="at least 8 discs, got 3"):
+            family(np.random.default_rng(0), 3)
 
 
-def test_corridors_force_a_detour():
+@pytest.mark.parametrize("family", [corridors, rings])
+def test_walls_force_a_detour(family):
     detours = [
         scenario.optimum / scenario.straight_line
-        for scenario in (corridors(np.random.default_rng(seed), 20) for seed in range(20))
+        for scenario in (family(np.random.default_rng(seed), 24) for seed in range(20))
     ]
     assert np.median(detours) > 1.05

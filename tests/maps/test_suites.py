@@ -16,8 +16,8 @@ needs_matplotlib = pytest.mark.skipif(
     importlib.util.find_spec("matplotlib") is None, reason="matplotlib is absent"
 )
 DIGESTS = {
-    "bee-v0": ("b79a7b8d3d5c08b0", "95f2f2d67603f460", "0d3ca7d0a5677cb0", "860a22e107524380"),
-    "tabu-bee-v0": ("b409d9d22160924a", "1a9d4c675a2151c8", "edc94c4baaaf7394", "a38c828789afcae4"),
+    "bee-v0": ("4818a3bef935ae20", "1b3552f406aa1226", "b7e429f233c0a457", "1f20a054167146e8"),
+    "tabu-bee-v0": ("ccc615a5062978d9", "60dba9af14283cd5", "f9d82453a279da84", "1fdae5d62ab5c328"),
     "mountain-v0": ("8d65ff2bce1256a4", "b2fffbedcc5e4123", "535c7146fef40893", "13a4ca42b75295c9"),
     "potential-field-v0": ("a1d8918db1e3dae8", "b7e7a182abc23a99", "31d1023a482decf1", "91450621e4cf9caa"),
     "room-v0": ("1b4be16eb54b0654", "fb7b6baa4ffff767", "a06b691a744881dc", "53a06421d6fb4c91"),
@@ -25,8 +25,8 @@ DIGESTS = {
     "open-v0": ("6d4bb2f4d234a873", "6b245e08dce1951d", "c13f841fe1bf78d4", "e9d2f8065b5b87f5"),
 }
 COUNTS = {
-    "bee-v0": (200, 50, 100, 112),
-    "tabu-bee-v0": (200, 50, 100, 112),
+    "bee-v0": (200, 50, 100, 180),
+    "tabu-bee-v0": (200, 50, 100, 180),
     "mountain-v0": (200, 50, 100, 112),
     "potential-field-v0": (200, 50, 100, 112),
     "room-v0": (200, 50, 100, 112),

@@ -6,7 +6,7 @@ from discs import among
 
 from antgym.planners.bee_rules import BEE_PAPERS
 from antgym.planners.planning import plan_many
-from experiments.bee_speed import plain_hive
+from experiments.ports import plain_hive
 
 TRUE = {"limit": 12.0, "xi": 1.0, "pull": 0.0}
 WRONG = {

@@ -19,12 +19,17 @@ def space_of(name, bees=40, width=40.0):
 
 @pytest.mark.parametrize("name", BEE_PAPERS)
 def test_the_middle_of_a_space_is_what_the_paper_publishes(name):
-    """wu2018: limit 40 for 20 sources of 12 way-points, ξ from 0.7 to 0.2, radius 1; Karaboga: sources × dimensions."""
+    """wu2018: limit 40 for 20 sources of 12 way-points, ξ from 0.7 to 0.2, radius 1; Karaboga: sources × dimensions.
+
+    With a third of the way-points the limit is a third, and the radius smaller by its root.
+    """
     space = space_of(name)
     middle = space.decode(np.full((1, len(space)), 0.5))[0]
     published = {"wu2018": (40, 0.7, 0.2, 1), "wu2018-basic": (40, 1, 1), "abc": (480, 1, 1)}
-    key = name.removesuffix("-paper") if name.startswith("wu") else "abc"
-    assert middle == pytest.approx(published[key], rel=1e-12)
+    few = name.endswith("-4")
+    key = name.removesuffix("-paper").removesuffix("-4") if name.startswith("wu") else "abc"
+    scaled = np.array(published[key]) / np.array([3, 1, 1, np.sqrt(3)])[: len(middle)] ** few
+    assert middle == pytest.approx(scaled, rel=1e-12)
     assert space.names == tuple(BEE_LIMITS)[: len(middle)]
 
 
@@ -34,6 +39,11 @@ def test_limits_follow_sources_and_dimensions_and_the_radius_the_world():
     one = BeeRanges().space(41, 3, 10.0)
     assert one is BeeRanges().space(40, 3, 10.0)
     assert "tries in vain" in one.to_markdown()
+
+
+def test_the_fewest_bees_and_way_points_have_limits_of_one_and_more():
+    (low, default, high), *_ = [(p.low, p.default, p.high) for p in BeeRanges().space(4, 1, 10.0).parameters]
+    assert 1 <= low < default < high
 
 
 def test_the_ends_of_every_space_can_be_flown():

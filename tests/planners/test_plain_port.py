@@ -6,7 +6,7 @@ import pytest
 from antgym.maps.motion import move_table
 from antgym.planners.colony import plan_many
 from antgym.planners.rules import Rules
-from experiments.speed import plain_colony
+from experiments.ports import plain_colony
 
 TRUE = (1.0, 3.0, 0.5, 300.0)
 WRONG = {

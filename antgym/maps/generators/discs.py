@@ -1,8 +1,8 @@
 """Discs: seeded families of scenarios in the plane, from one sparse scatter to corridors between walls of discs.
 
 A family is a function of a random generator and a number of discs. Worlds are 40 × 40 cm with the start low on the
-left and the goal high on the right: wu2018 gives lengths near 50 cm and nothing else. They are drawn until a path
-exists; where the straight line is free, half are drawn again, for they teach nothing.
+left, or amid rings, and the goal high on the right: wu2018 gives lengths near 50 cm and nothing else. They are drawn
+until a path exists; where the straight line is free, half are drawn again, for they teach nothing.
 """
 
 from collections.abc import Callable
@@ -10,11 +10,11 @@ from collections.abc import Callable
 import numpy as np
 
 from antgym.errors import MapError, ScenarioError
-from antgym.maps.discs import DiscScenario, DiscWorld, Floats
+from antgym.maps.discs import DiscScenario, DiscWorld, Floats, Point
 from antgym.maps.world import Scenario
 
 SIDE = 40.0  # cm
-START, GOAL = (4.0, 4.0), (36.0, 36.0)
+START, MIDDLE, GOAL = (4.0, 4.0), (SIDE / 2, SIDE / 2), (36.0, 36.0)
 BOUNDS = (0.0, SIDE, 0.0, SIDE)
 SAFE = 0.5  # cm, D_safe of the worlds as wu2018 describes them; silent in print
 APART = 1.5  # cm, between a disc and an end, at least
@@ -51,19 +51,36 @@ def corridors(rng: np.random.Generator, count: int = 20) -> DiscScenario:
     return _drawn(rng, count, lambda: _walls(rng, count, walls), "corridors")
 
 
+def rings(rng: np.random.Generator, count: int = 24) -> DiscScenario:
+    """Draw rings of overlapping discs around the start in the middle, one or two, each with a gap somewhere.
+
+    Raises:
+        MapError: also if there are fewer than 8 discs: no ring is closed by so few.
+    """
+    if count < 8:
+        raise MapError(f"rings have at least 8 discs, got {count}")
+    circles = int(rng.integers(1, 3)) if count >= 24 else 1
+    return _drawn(rng, count, lambda: _circles(rng, count, circles), "rings", start=MIDDLE)
+
+
 DISC_FAMILIES: dict[str, Callable[[np.random.Generator, int], DiscScenario]] = {
-    family.__name__: family for family in (wu2018, scatter, corridors)
+    family.__name__: family for family in (wu2018, scatter, corridors, rings)
 }
 
 
 def _drawn(
-    rng: np.random.Generator, count: int, sketch: Callable[[], Floats], name: str, safe: float = 0.0
+    rng: np.random.Generator,
+    count: int,
+    sketch: Callable[[], Floats],
+    name: str,
+    safe: float = 0.0,
+    start: Point = START,
 ) -> DiscScenario:
     """Return the first worthwhile scenario among the discs that ``sketch`` draws."""
     for _ in range(MAX_DRAWS):
         world = DiscWorld(sketch(), BOUNDS, safe_distance=safe)
         try:
-            scenario = Scenario(world, START, GOAL, name=name)
+            scenario = Scenario(world, start, GOAL, name=name)
             nearly_straight = scenario.optimum < NEARLY_STRAIGHT * scenario.straight_line
         except ScenarioError:
             continue
@@ -104,6 +121,24 @@ def _walls(rng: np.random.Generator, count: int, walls: int) -> Floats:
             discs.append([*(middle + place * along + (gap + aside) * across), radius])
     spare = _scatter(rng, count - len(discs), 0.5, 1.5)
     return np.vstack([np.array(discs), spare])
+
+
+def _circles(rng: np.random.Generator, count: int, circles: int) -> Floats:
+    """Return (count, 3) discs: rings around the middle, as many discs in each as its length asks for."""
+    radii = rng.uniform(6.0, 9.0) * np.array([1.0, 1.8])[:circles]
+    each = np.round(count * radii / radii.sum()).astype(int)
+    each[-1] = count - each[:-1].sum()
+    discs = []
+    for radius, number in zip(radii, each, strict=True):
+        gap, width = rng.uniform(0.0, 2 * np.pi), rng.uniform(1.0, 2.5) / radius  # as angles
+        spacing = (2 * np.pi - width) / number
+        angles = gap + width / 2 + (np.arange(number) + 0.5) * spacing
+        # the two at the gap touch it, the others overlap
+        size = radius * spacing * np.where(np.isin(np.arange(number), (0, number - 1)), 0.5, 0.55)
+        discs.append(
+            np.column_stack([MIDDLE + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1), size])
+        )
+    return np.vstack(discs)
 
 
 def _leaves_room(disc: Floats) -> bool:
