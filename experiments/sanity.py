@@ -143,7 +143,7 @@ def compare(arguments: Arguments) -> str:
         todo = list(jobs([reference, *chain(*zip(contest, misled, strict=True))], items, 1, [0]))
         with progress("asking with features of the map, and of another", len(todo)) as advance:
             play(todo, ledger, arguments.fresh, advance)
-        gaps = {job.entrant.name: [] for job in todo}
+        gaps: dict[str, list[float]] = {job.entrant.name: [] for job in todo}
         for job in todo:
             outcome = ledger.run(job.key).outcome
             assert outcome is not None
