@@ -126,7 +126,7 @@ class Ensemble:
     """
 
     def __init__(self, card: EnsembleCard, network: Any) -> None:
-        self.card, self._network = card, network.eval()
+        self.card, self._network = card, network.train(False)
 
     @cached_property
     def settings(self) -> Floats:

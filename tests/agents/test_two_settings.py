@@ -1,5 +1,6 @@
 """On two scenarios that want different settings: who learns finds both, and it is the features that tell which."""
 
+from copy import deepcopy
 from dataclasses import replace
 
 import pytest
@@ -18,19 +19,17 @@ COPIES, SETTINGS, REPEATS = (
     8,
     128,
     4,
-)  # of each scenario, of the experience, and runs of each setting on each copy
+)  # of each scenario, and of the experience; runs of each setting on each copy
 ENOUGH, SLOTS, MOST = 0.95, 64, 60_000  # share, and slots and planner runs at most of a training
-_OFF = {
-    "learning_rate": 1e-3,
-    "learning_starts": 1024,
-    "batch_size": 256,
-    "gradient_steps": 8,
-    "train_freq": 1,
-}
+_SMALL = {"policy_kwargs": {"net_arch": [64, 64]}}
+_OFF = {"learning_rate": 1e-3, "learning_starts": 2048, "batch_size": 256, "gradient_steps": 8, **_SMALL}
 LEARNERS = {  # all of OneShot but PPO, which tests/envs/test_learners.py trains
     "A2C": {"n_steps": 8, "learning_rate": 1e-3, "gae_lambda": 1.0, "normalize_advantage": True},
     "TRPO": {"n_steps": 8, "batch_size": 128, "gae_lambda": 1.0},
-    "RecurrentPPO": {"n_steps": 8, "batch_size": 128, "n_epochs": 10, "learning_rate": 1e-3},
+    "RecurrentPPO": {
+        **{"n_steps": 8, "batch_size": 128, "n_epochs": 5, "learning_rate": 1e-3},
+        "policy_kwargs": {"net_arch": [32], "lstm_hidden_size": 16},
+    },
     "ARS": {"n_delta": 8, "delta_std": 0.1, "learning_rate": 0.1, "n_eval_episodes": 32},
     "SAC": {**_OFF, "gamma": 0.0},
     "TD3": _OFF,
@@ -87,12 +86,13 @@ def test_every_algorithm_closes_the_way_from_chance_to_the_best_in_both_scenario
 
     envs = make_sb3_vec("antgym/MountainOneShot-v0", SLOTS, seed=0, suite=items())
     policy = "MlpLstmPolicy" if ALGORITHMS[algorithm].recurrent else "MlpPolicy"
-    model = algorithm_class(algorithm)(policy, envs, seed=0, device="cpu", **LEARNERS[algorithm])
+    settings = deepcopy(LEARNERS[algorithm])  # stable-baselines3 adds to what it is given
+    model = algorithm_class(algorithm)(policy, envs, seed=0, device="cpu", **settings)
 
     def act(features):
         return model.predict(features, deterministic=True)[0]
 
-    while model.num_timesteps < MOST and shares(act).min() < 0.97:
+    while envs.native.planner_runs < MOST and shares(act).min() < 0.97:
         model.learn(1024, reset_num_timesteps=False)
     assert shares(act, runs=1000, first=10_000).min() >= ENOUGH, "on runs that did not decide when to stop"
 

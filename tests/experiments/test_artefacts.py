@@ -2,6 +2,8 @@
 
 import pytest
 
+import agents
+from agents.experience import Experience
 from agents.static import StaticByRules, StaticSetting, StaticSettings
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
@@ -25,6 +27,17 @@ def test_settings_by_rules_are_raced_once_and_recommended(tmp_path):
     agent = StaticByRules(**trained_argument(name, tmp_path))
     agent.reset(problem(items[0]).task(0), seed=0)
     assert tuple(agent.recommend()) == settings.by_rules[items[0].rules].unit
+
+
+def test_nets_are_fitted_to_the_experience_of_their_folder_and_charged_what_it_spent(tmp_path):
+    for library in ("torch", "safetensors"):
+        pytest.importorskip(library, reason="needs the extra rl")
+    spent = prepare(tmp_path, "mountain-v0", TINY, ["neural_regression"])
+    experience = Experience.load(tmp_path / "experience.json")
+    assert spent == {"neural.json": experience.evaluations}
+    agent = agents.make("neural_regression", **trained_argument("neural_regression", tmp_path))
+    assert agent.ensemble.card.units == experience.units
+    assert agent.ensemble.card.provenance == {"repeats": 2, "suite": "mountain-v0"}
 
 
 def test_a_file_of_its_own_name_is_found_and_never_made(tmp_path):
