@@ -251,7 +251,7 @@ def test_curves_are_written_where_they_are_asked_for(asked, tmp_path):
     assert list((tmp_path / "curves").rglob("events.*"))
 
 
-@pytest.mark.parametrize(("regime", "size"), [("OneShot", 33), ("Control", 45)])
+@pytest.mark.parametrize(("regime", "size"), [("OneShot", 36), ("Control", 48)])
 def test_a_policy_for_bees_names_their_parameters_and_features(asked, regime, size):
     arguments = replace(asked(kwargs={"effort": [6, 40]}), env=f"antgym/Bee{regime}-v0")
     train.train(arguments)

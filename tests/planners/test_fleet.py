@@ -3,7 +3,6 @@
 from dataclasses import replace
 from itertools import combinations, pairwise
 
-import benchmark_maps as maps
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +14,7 @@ from antgym.errors import ParameterError, ScenarioError
 from antgym.maps.generators import FAMILIES
 from antgym.maps.motion import move_table
 from antgym.maps.moves import legal_moves
+from antgym.maps.readers import read_map
 from antgym.planners.fleet import plan_fleet
 from antgym.planners.schedules import schedule
 from antgym.planners.timed import TimedPath, conflicts, meeting, nearest_approach
@@ -246,7 +246,7 @@ def instances(data, seeds):
     folder = data / "mapf"
     if not folder.is_dir():
         pytest.skip(f"{folder} is absent")
-    world = maps.terrain(folder / "random-32-32-20.map", ".GSB")
+    world = read_map(folder / "random-32-32-20.map").world
     for seed in seeds:
         yield robots_in(world, 20, np.random.default_rng(seed), Motion("grid4"))
 
