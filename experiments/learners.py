@@ -90,6 +90,11 @@ class Learner:
             raise ParameterError(f"unknown environment {self.env!r}; {nearest(self.env, tuple(rows))}")
         return rows[self.env]
 
+    @property
+    def suite(self) -> Any:
+        """The suite that it draws from, as ``load_suite`` takes it."""
+        return self.kwargs.get("suite", self.entry.kwargs["suite"])
+
     @cached_property
     def row(self) -> Algorithm:
         """The algorithm's row."""
@@ -195,9 +200,8 @@ class Learner:
         """Return mean and deviation of what is shown: of features over train maps, of the rest by its bounds."""
         low, high = space.low.astype(float), space.high.astype(float)
         mean, deviation = (low + high) / 2, (high - low) / 4
-        suite = self.kwargs.get("suite", self.entry.kwargs["suite"])
         seen = []
-        for item in load_suite(suite, self.kwargs.get("split", "train"))[:STANDARD_MAPS]:
+        for item in load_suite(self.suite, self.kwargs.get("split", "train"))[:STANDARD_MAPS]:
             least = LEAST_ITERATIONS if self.entry.regime == "Control" else 1
             ants, iterations = self.kwargs.get("effort") or (item.ants, max(item.iterations, least))
             seen.append(TuningProblem(item.scenario, item.rules, ants, iterations).task(0).features)

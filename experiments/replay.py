@@ -60,10 +60,7 @@ class Replayed:
 
     def _lengths(self, path: Path, learner: Learner) -> NDArray[np.float64]:
         """Return the optimum of every map in straight lines, (n,)."""
-        items = {
-            item.name: item.scenario
-            for item in load_suite(learner.kwargs.get("suite", learner.entry.kwargs["suite"]), "train")
-        }
+        items = {item.name: item.scenario for item in load_suite(learner.suite, "train")}
         try:
             scenarios = [items[name] for name in self._table.names[: self._maps]]
         except KeyError as error:

@@ -4,8 +4,9 @@
 
 The first configuration is the one in experiments/configs; the others are points of a scrambled Sobol sequence in what
 experiments/configs/spaces says may change. Each trains a policy for some planner runs; what counts is the mean gap on
-validation maps after its last three legs, which is less of a lucky draw than the lowest of ten. What is done is kept, a
-line each in OUT/study.jsonl, and is not done again. The best, trained on fresh seeds, is what a report may name.
+validation maps after its last three legs, which is less of a lucky draw than the lowest of ten. A
+training that is finished is not done again; OUT/study.jsonl has a line a configuration once all are. The best, trained
+on fresh seeds, is what a report may name.
 """
 
 import json
@@ -47,7 +48,7 @@ class Arguments:
     out: Path = Path("out/study")
     """Folder of the study."""
     experience: Path | None = None
-    """As of experiments.train, likewise:"""
+    """A table of trials to learn from before any episode, as of experiments.train."""
     replayed: int | None = None
     """Evaluations at most that are trials of --experience."""
     validation: int = 100

@@ -259,7 +259,7 @@ def _facts(
     learner: Learner, arguments: Arguments, standing: Standing, asked: dict[str, Any]
 ) -> dict[str, Any]:
     regime, by_rules = learner.entry.regime, arguments.start_by_rules
-    rules = load_suite(learner.kwargs.get("suite", learner.entry.kwargs["suite"]), "train").rules
+    rules = load_suite(learner.suite, "train").rules
     bees, names = are_bees(rules), parameter_names(rules[0])
     features = control_table(bees, names) if regime == "Control" else task_table(bees)
     return {

@@ -25,8 +25,7 @@ class Validation:
     def __init__(self, learner: Learner, maps: int) -> None:
         if maps < 1:
             raise ParameterError(f"--validation {maps}: a checkpoint is chosen on one map at least")
-        suite = learner.kwargs.get("suite", learner.entry.kwargs["suite"])
-        self.maps = min(maps, len(load_suite(suite, "validation")))
+        self.maps = min(maps, len(load_suite(learner.suite, "validation")))
         self._envs = learner.envs(self.maps, ROOT, split="validation", reward="gap")
 
     @property

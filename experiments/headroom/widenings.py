@@ -10,7 +10,7 @@ _BOX = (
 )
 _WORLDS = (
     "four way-points beside twelve, and with them 5 to 80 bees for 20 to 1,000 cycles; tried beside these: narrow "
-    "gates, dense discs, ends anywhere, three and five way-points, 4 to 14 bees for 3,000 cycles: {}"
+    "gates, dense discs, ends anywhere, three and five way-points: {}"
 )
 
 WIDENINGS: dict[str, tuple[str, ...]] = {
