@@ -37,7 +37,7 @@ from antgym.tuning.run_features import observe_run
 from antgym.tuning.session import Session, steer_together
 from experiments import provenance
 from experiments.artefacts import derived_seed, prepare, problem
-from experiments.contest import TOGETHER, enter
+from experiments.contest import enter, play_missing
 from experiments.headroom.schedules import family
 from experiments.presets import PRESETS
 from experiments.statistics import cluster_interval, paired_difference
@@ -123,12 +123,7 @@ def race(arguments: Arguments) -> str:
 
 def play(todo: Sequence[Job], ledger: Ledger, advance: Callable[[int], None]) -> None:
     """Play what is missing of a race, many runs in lock-step: a block of all of them is one planner call."""
-    missing = [job for job in todo if ledger.run(job.key).outcome is None]
-    advance(len(todo) - len(missing))
-    for first in range(0, len(missing), TOGETHER):
-        some = missing[first : first + TOGETHER]
-        _play_together(some, [ledger.run(job.key) for job in some])
-        advance(len(some))
+    play_missing(todo, ledger, _play_together, advance)
 
 
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
