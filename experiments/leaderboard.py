@@ -98,8 +98,7 @@ def plan_board(arguments: Arguments) -> Plan:
     """Return what a board asks for; ParameterError on agents, suites, splits or budgets that there are not."""
     preset = PRESETS[arguments.preset]
     _check(arguments)
-    maps = preset.scenarios if arguments.maps is None else arguments.maps
-    items = find_items(arguments.suite, arguments.split)[:maps]
+    items = _items(arguments, preset)
     config = {
         "code": provenance.code_hash(),
         "preset": arguments.preset,
@@ -128,6 +127,19 @@ def _check(arguments: Arguments) -> None:
         raise ParameterError("--split train: agents learn from these maps; judge on validation, test or ood")
     if arguments.controllers and "C" not in arguments.track:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
+
+
+def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
+    """Return the maps of a board, under rules that agents can learn of."""
+    maps = preset.scenarios if arguments.maps is None else arguments.maps
+    items = find_items(arguments.suite, arguments.split)[:maps]
+    lacking = {item.rules for item in items} - set(find_items(arguments.suite, "train").rules)
+    if lacking:
+        raise ParameterError(
+            f"--suite {arguments.suite}: no map of its train split is planned by the rules "
+            f"{', '.join(sorted(lacking))}, which {arguments.split} has; name rules in suite.toml, or add a map"
+        )
+    return items
 
 
 def _tracks(arguments: Arguments) -> list[Track]:

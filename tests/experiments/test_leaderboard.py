@@ -24,7 +24,7 @@ from antgym.planners.threads import thread_count
 from antgym.tuning.ledger import MANIFEST, TRIALS
 from experiments import contest, control, leaderboard
 from experiments.artefacts import prepare
-from experiments.leaderboard import Arguments, run_board
+from experiments.leaderboard import Arguments, plan_board, run_board
 from experiments.presets import PRESETS, Preset
 from experiments.tracks import ALWAYS
 
@@ -181,6 +181,17 @@ def test_what_no_board_can_be_made_of_is_refused_before_anything_is_written(tmp_
     with pytest.raises(ParameterError, match=message):
         run_board(Arguments("smoke", tmp_path / "board", **others))
     assert not (tmp_path / "board").exists()
+
+
+def test_maps_of_ones_own_need_rules_that_agents_can_learn_of(tmp_path):
+    docs = ROOT / "docs"
+    for split, names in {"train": ["hills.asc"], "test": ["hills.asc", "flat.yaml", "flat.png"]}.items():
+        (tmp_path / "own" / split).mkdir(parents=True)
+        for name in names:
+            shutil.copy(docs / name, tmp_path / "own" / split / name)
+    own = Arguments("smoke", tmp_path / "board", suite=str(tmp_path / "own"), split="test", maps=1)
+    with pytest.raises(ParameterError, match="rules ant_colony_system, which test has"):
+        plan_board(own)
 
 
 def test_an_unknown_agent_is_named_before_anything_is_written(tmp_path):
