@@ -24,11 +24,16 @@ TRIALS, TIMING, MANIFEST = "trials.jsonl", "timing.jsonl", "manifest.json"
 
 
 class Outcome(NamedTuple):
-    """How a run ended: the recommended setting, and the lengths and gaps of its fresh, uncharged runs."""
+    """How a run ended: the recommended setting, and the lengths and gaps of its fresh, uncharged runs.
+
+    Where the agent failed, ``failure`` says how; then nothing was recommended, ``unit`` is the published default, and
+    every fresh run counts as one that found no path.
+    """
 
     unit: tuple[float, ...]
     lengths: tuple[float, ...]
     gaps: tuple[float, ...]
+    failure: str = ""
 
 
 class LedgerRun:
@@ -61,7 +66,9 @@ class LedgerRun:
     def finish(self, outcome: Outcome) -> None:
         """Write how the run ended; on return it is on disk."""
         lengths = [_number(length) for length in outcome.lengths]
-        fields = {"unit": list(outcome.unit), "lengths": lengths, "gaps": list(outcome.gaps)}
+        fields: dict[str, Any] = {"unit": list(outcome.unit), "lengths": lengths, "gaps": list(outcome.gaps)}
+        if outcome.failure:
+            fields["failure"] = outcome.failure
         self._ledger.write([{"run": self.key, "kind": "outcome", **fields}])
         self.outcome = outcome
 
@@ -252,7 +259,8 @@ def _record_fields(record: Record) -> dict[str, Any]:
 def _enter(run: LedgerRun, fields: Mapping[str, Any]) -> None:
     if fields["kind"] == "outcome":
         lengths = tuple(_length(length) for length in fields["lengths"])
-        run.outcome = Outcome(tuple(fields["unit"]), lengths, tuple(fields["gaps"]))
+        unit, gaps = tuple(fields["unit"]), tuple(fields["gaps"])
+        run.outcome = Outcome(unit, lengths, gaps, fields.get("failure", ""))
         return
     if fields["index"] != len(run.records):
         raise ValueError(f"trial {fields['index']} where {len(run.records)} was due")
