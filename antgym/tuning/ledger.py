@@ -32,11 +32,16 @@ TRIALS, TIMING = "trials.jsonl", "timing.jsonl"
 
 
 class Outcome(NamedTuple):
-    """How a run ended: the recommended setting, and the lengths and gaps of its fresh, uncharged runs."""
+    """How a run ended: the recommended setting, and the lengths and gaps of its fresh, uncharged runs.
+
+    Where the agent failed, ``failure`` says how; then nothing was recommended, ``unit`` is the published default, and
+    every fresh run counts as one that found no path.
+    """
 
     unit: tuple[float, ...]
     lengths: tuple[float, ...]
     gaps: tuple[float, ...]
+    failure: str = ""
 
 
 class KeptRun:
@@ -104,7 +109,9 @@ class LedgerRun(KeptRun):
 
     def _outcome_line(self, outcome: Outcome) -> dict[str, Any]:
         lengths = [_number(length) for length in outcome.lengths]
-        fields = {"unit": list(outcome.unit), "lengths": lengths, "gaps": list(outcome.gaps)}
+        fields: dict[str, Any] = {"unit": list(outcome.unit), "lengths": lengths, "gaps": list(outcome.gaps)}
+        if outcome.failure:
+            fields["failure"] = outcome.failure
         return {"run": self.key, "kind": "outcome", **fields}
 
     def time(self, **seconds: float) -> None:
@@ -253,7 +260,8 @@ def _enter_fields(run: KeptRun, fields: Mapping[str, Any]) -> None:
         raise ValueError(f"a line of {run.key!r} after the one that ends it")
     if fields["kind"] == "outcome":
         lengths = tuple(_length(length) for length in fields["lengths"])
-        run.outcome = Outcome(tuple(fields["unit"]), lengths, tuple(fields["gaps"]))
+        unit, gaps = tuple(fields["unit"]), tuple(fields["gaps"])
+        run.outcome = Outcome(unit, lengths, gaps, fields.get("failure", ""))
         return
     if fields["index"] != len(run.records):
         raise ValueError(f"trial {fields['index']} where {len(run.records)} was due")
