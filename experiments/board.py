@@ -137,23 +137,26 @@ class Board:
 
     Attributes:
         title: headline.
+        track: "A": tuned on each map by itself; "B": trained, then none or a few trials on each map; "C": control
+            within one run.
         command: what makes this board again.
         rows: in any order.
         scenarios: names, in the order of every row's gaps.
         budget: trials that an agent may pay on a new map.
         seeds: tuner seeds per map.
         manifest: what ran, with which versions, where.
-        picture: one scenario to look at, or None.
+        pictures: scenarios to look at, any number.
     """
 
     title: str
+    track: Literal["A", "B", "C"]
     command: str
     rows: tuple[Row, ...]
     scenarios: tuple[str, ...]
     budget: int
     seeds: int
     manifest: dict[str, Any]
-    picture: Picture | None
+    pictures: tuple[Picture, ...]
 
     def __post_init__(self) -> None:
         names = [row.name for row in self.rows]
@@ -164,6 +167,19 @@ class Board:
                 raise AntgymError(
                     f"{row.name} has gaps on {len(row.gaps)} of {len(self.scenarios)} scenarios"
                 )
+
+    def key(self, name: str, scenario: str, seed: int) -> str:
+        """Return the ledger's key of the run behind a gap of a row.
+
+        Args:
+            name: of the row.
+            scenario: one of the board's.
+            seed: the tuner's.
+        """
+        budget = (
+            () if self.track == "C" else (str(self.budget),)
+        )  # a run that is steered is itself the only trial
+        return "/".join((name, *budget, scenario, str(seed)))
 
     @cached_property
     def ranked(self) -> tuple[Row, ...]:

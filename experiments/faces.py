@@ -36,13 +36,14 @@ def show(
     rows = [_row(entrant, ledger, items, preset, seconds) for entrant in contest]
     board = Board(
         title=_title(items, config),
+        track="A",
         command=_command(config),
         rows=(*rows, _exact(items, preset)),
         scenarios=tuple(item.name for item in items),
         budget=preset.budget,
         seeds=preset.seeds,
         manifest=ledger.manifest,
-        picture=_picture(contest, ledger, items[_most_telling(rows)], preset.budget),
+        pictures=(_picture(contest, ledger, items[_most_telling(rows)], preset.budget),),
     )
     Console(width=160 if not Console().is_terminal else None).print(to_table(board))
     write_whole(folder / "board.md", (to_markdown(board) + "\n").encode())

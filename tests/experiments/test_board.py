@@ -9,6 +9,8 @@ from boards import board, fake_board, row
 from rich.console import Console
 
 from antgym.errors import AntgymError
+from antgym.maps.suites import load_suite
+from experiments import contest, control
 from experiments.board import EXACT, to_markdown, to_table
 from experiments.columns import COLUMNS, percent
 
@@ -122,8 +124,18 @@ def test_boards_that_do_not_fit_together_are_refused():
         board(constant("a", 0.1), constant("b", 0.1, maps=3))
 
 
+@pytest.mark.parametrize("track", ["A", "B", "C"])
+def test_a_board_finds_its_runs_in_the_ledger_under_the_keys_they_were_played_with(track):
+    item = load_suite("mountain-v0", "test")[3]
+    if track == "C":
+        job = control.Job(control.Entrant("ga", None, 0), item, 2)
+    else:
+        job = contest.Job(contest.Entrant("ga", "agent", "", None, 0), item, 2, 20)
+    assert board(row(), track=track, budget=20).key("ga", item.name, 2) == job.key
+
+
 def test_pictures_that_do_not_fit_their_world_are_refused():
-    picture = fake_board().picture
+    (picture,) = fake_board().pictures
     with pytest.raises(AntgymError, match=r"heights \(2, 2\)"):
         replace(picture, heights=np.zeros((2, 2)))
     with pytest.raises(AntgymError, match="path of exact planner"):
