@@ -129,6 +129,7 @@ def play(todo: Sequence[Job], ledger: Ledger, advance: Callable[[int], None]) ->
 
 
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
+    started = time.perf_counter()
     sessions = [Session(job.problem, 1, run) for job, run in zip(some, runs, strict=True)]
     thinking = 0.0
     controllers = [copy(job.entrant.controller) for job in some]
@@ -141,11 +142,12 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
         units = [_act(controller, session) for controller, session in zip(controllers, sessions, strict=True)]
         thinking += time.perf_counter() - begun
         steer_together(list(zip(sessions, units, strict=True)))
+    planning = time.perf_counter() - started - thinking
     for session, run in zip(sessions, runs, strict=True):
         (trial,) = session.trials
         gaps = session.problem.gap(np.array(session.lengths))
         run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
-        run.time(tuner=thinking / len(some))
+        run.time(tuner=thinking / len(some), planner=planning / len(some))
 
 
 def _act(controller: Controller, session: Session) -> NDArray[np.float64]:

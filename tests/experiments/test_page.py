@@ -32,7 +32,8 @@ window.alert = note;
 </script>"""
 PROBE = """<script>addEventListener("load", () => {
   const order = () => [...document.querySelectorAll(".ranking tbody th")].map((cell) => cell.dataset.value);
-  const [, agent, gap, , , , , , optimism] = document.querySelectorAll(".ranking thead button");
+  const buttons = [...document.querySelectorAll(".ranking thead button")];
+  const [, agent, gap] = buttons, optimism = buttons.at(-1);
   const after = (button) => { button.click(); return order(); };
   const shown = () => document.getElementById("scene")._fullData.slice(1).map((trace) => trace.visible);
   const seen = { start: order(), gap: after(gap), name: after(agent), optimism: after(optimism) };
