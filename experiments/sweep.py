@@ -22,7 +22,18 @@ from antgym.errors import AntgymError, LedgerError, MissingExtraError, Parameter
 from antgym.tuning.ledger import Ledger
 from experiments import leaderboard, provenance
 from experiments.orders import ask, note_broken
-from experiments.units import UNITS, Shard, Unit, finished, missing, play_unit, shard_folders, take_in, units
+from experiments.units import (
+    UNITS,
+    Shard,
+    Unit,
+    board_runs,
+    finished,
+    missing,
+    play_unit,
+    shard_folders,
+    take_in,
+    units,
+)
 
 PROGRAM = "python -m experiments.sweep"
 
@@ -54,16 +65,15 @@ class Sweep:
         self.arguments = arguments
         names = [field.name for field in fields(leaderboard.Arguments)]
         self.board = leaderboard.Arguments(**{name: getattr(arguments, name) for name in names})
-        self.plan = leaderboard.plan_board(self.board)
         with _training(arguments.out):
-            entered = leaderboard.enter_board(self.board, self.plan)
-        self.keys = [job.key for job in leaderboard.board_jobs(self.plan, entered)]
+            self.plan, runs = board_runs(self.board)
+        self.keys = [job.key for job in runs]
 
     @contextmanager
     def ledger(self, folder: Path) -> Iterator[Ledger]:
         """Open the ledger of the whole or of a shard, which knows all runs that are asked of the sweep."""
         with Ledger(folder, self.plan.config, self.plan.versions, provenance.facts()) as ledger:
-            ledger.pin(provenance.file_hashes(self.arguments.out / leaderboard.TRAINED))
+            ledger.pin(leaderboard.pins(self.board))
             ask(folder, self.keys)
             yield ledger
 

@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 
 from antgym.errors import ParameterError
 from antgym.tuning.ledger import Ledger
-from experiments import leaderboard, provenance
-from experiments.contest import Job, play
+from experiments import leaderboard, provenance, tracks
 
 UNITS, SHARDS = "units", "shards"
 
@@ -79,17 +78,17 @@ def play_unit(board: leaderboard.Arguments, unit: Unit, traces: bool) -> tuple[U
     Whatever stops it is told and not raised: the other units go on, and the sweep says in the end what is missing.
     """
     try:
-        plan, todo = _board(board)
+        plan, todo = board_runs(board)
         with Ledger(unit.folder, plan.config, plan.versions, _facts(), traces=traces) as ledger:
-            play([todo[i] for i in unit.places], ledger, plan.preset.fresh, lambda _: None)
+            tracks.play([todo[i] for i in unit.places], ledger, plan.preset.fresh, lambda _: None)
     except Exception as error:  # an agent, a library, a disk: the reason goes into the sweep's list
         return unit, f"{type(error).__name__}: {error}"
     return unit, ""
 
 
 @lru_cache(maxsize=1)
-def _board(board: leaderboard.Arguments) -> tuple[leaderboard.Plan, list[Job]]:
-    """Return what a board asks for and its runs; made once a process."""
+def board_runs(board: leaderboard.Arguments) -> tuple[leaderboard.Plan, list[tracks.Job]]:
+    """Return what a board asks for and its runs, agents trained now where they are not yet; made once a process."""
     plan = leaderboard.plan_board(board)
     return plan, leaderboard.board_jobs(plan, leaderboard.enter_board(board, plan))
 

@@ -10,51 +10,57 @@ pytest.importorskip("joblib")
 pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
-from agents.static import StaticSetting
 from antgym.errors import LedgerError, ParameterError
-from antgym.planners.parameters import ColonyParameters
 from antgym.tuning.ledger import MANIFEST, TRIALS
 from antgym.tuning.traces import read_trace
 from experiments import leaderboard
+from experiments.artefacts import prepare
 from experiments.orders import asked
 from experiments.presets import PRESETS, Preset
 from experiments.status import survey, to_lists
 from experiments.sweep import Arguments, sweep
+from experiments.tracks import ALWAYS
 from experiments.units import UNITS, Shard, units
 
 AGENTS = ("uniform_random", "random_search")
-TINY = Preset(2, 2, 5, 2, 0, 3, 1, 1, 1, 1, 1)
+TINY = Preset(2, 1, 5, 2, 0, 3, 1, 2, 2, 8, 32)
+RUNS = 2 * len({*AGENTS, *ALWAYS})
 BACKENDS = ("loky", "dask")
 
 
-def write_trained(folder):
-    """What the board's reference needs, so that nobody has to race for it."""
-    folder.mkdir(parents=True)
-    StaticSetting((0.6, 0.2, 0.6, 0.6), 7, ColonyParameters._fields).save(folder / "static.json")
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory):
+    """Files of the agents that are on every board, as small as they come."""
+    folder = tmp_path_factory.mktemp("trained")
+    prepare(folder, "mountain-v0", TINY, ALWAYS)
+    return folder
 
 
 @pytest.fixture
-def tiny(monkeypatch, tmp_path):
-    """A function that gives the arguments of a tiny board's sweep in threads, into a folder of the given name."""
+def arguments(tmp_path, trained):
+    """A function that gives the arguments of a sweep into a folder of the given name, with everybody trained."""
+
+    def make(name, **changes):
+        out = tmp_path / name
+        if not out.exists():
+            shutil.copytree(trained, out / "trained")
+        return Arguments("smoke", out, AGENTS, **{"budgets": (5,), "jobs": 2, **changes})
+
+    return make
+
+
+@pytest.fixture
+def tiny(monkeypatch, arguments):
+    """The same of a tiny board, in threads."""
     monkeypatch.setitem(PRESETS, "smoke", TINY)
-    return lambda name, **changes: arguments(
-        tmp_path / name, **{"backend": "threading", "unit": 3, **changes}
-    )
+    return lambda name, **changes: arguments(name, **{"backend": "threading", "unit": 3, **changes})
 
 
-def arguments(out, **changes):
-    if not out.exists():
-        write_trained(out / "trained")
-    return Arguments("smoke", out, AGENTS, **{"jobs": 2, **changes})
-
-
-def in_one_process(out):
+def in_one_process(given):
     """The ledger's lines of the leaderboard itself."""
-    given = arguments(out)
-    leaderboard.run_board(
-        leaderboard.Arguments(**{f.name: getattr(given, f.name) for f in fields(leaderboard.Arguments)})
-    )
-    return sorted_lines(out)
+    board = {field.name: getattr(given, field.name) for field in fields(leaderboard.Arguments)}
+    leaderboard.run_board(leaderboard.Arguments(**board))
+    return sorted_lines(given.out)
 
 
 def sorted_lines(folder):
@@ -68,7 +74,7 @@ def in_shards(given, count):
 
 
 def test_units_in_threads_and_shards_give_the_ledger_of_one_process(tiny, tmp_path):
-    whole = in_one_process(tmp_path / "whole")
+    whole = in_one_process(tiny("whole"))
     assert sweep(tiny("threads", traces=True)).endswith("threads/index.html")
     in_shards(tiny("shards", unit=1), 3)
     for name in ("threads", "shards"):
@@ -88,13 +94,13 @@ def test_units_in_threads_and_shards_give_the_ledger_of_one_process(tiny, tmp_pa
 def test_what_broke_off_is_listed_with_its_reason_and_made_up_for(tiny, tmp_path):
     given = tiny("board", unit=100)
     (tmp_path / "board" / UNITS).write_text("in the way of every unit's folder")
-    with pytest.raises(LedgerError, match=r"12 of 12 runs are missing.*board lists them"):
+    with pytest.raises(LedgerError, match=rf"{RUNS} of {RUNS} runs are missing.*board lists them"):
         sweep(given)
     (standing,) = survey([tmp_path / "board"])
     assert not standing.whole
-    assert len(standing.missing) == 12
+    assert len(standing.missing) == RUNS
     assert "broke off: LedgerError: " in to_lists(standing, 1)
-    assert to_lists(standing, 1).endswith("missing: 11 more; --every lists them\n")
+    assert to_lists(standing, 1).endswith(f"missing: {RUNS - 1} more; --every lists them\n")
     (tmp_path / "board" / UNITS).unlink()
     sweep(given)
     (standing,) = survey([tmp_path / "board"])
@@ -117,22 +123,15 @@ def test_a_unit_that_was_cut_off_goes_on_and_one_taken_in_before_its_end_counts_
     assert sorted_lines(tmp_path / "board") == sorted(line.rstrip("\n") for line in whole)
 
 
-def test_merging_before_all_shards_are_there_says_how_many_runs_are_missing(tiny, tmp_path):
+def test_merging_says_what_is_missing_and_counts_once_what_two_shards_hold(tiny, tmp_path):
     given = tiny("board")
     sweep(replace(given, shard="1/2"))
-    with pytest.raises(LedgerError, match="6 of 12 runs are missing"):
+    with pytest.raises(LedgerError, match=f"{RUNS // 2} of {RUNS} runs are missing"):
         sweep(replace(given, merge=True))
-    sweep(replace(given, shard="2/2"))
-    assert sweep(replace(given, merge=True)).startswith("page: ")
-
-
-def test_runs_in_two_shards_of_different_numbers_are_held_twice_and_counted_once(tiny, tmp_path):
-    given = tiny("board")
-    for shard in ("1/1", "1/3"):
-        sweep(replace(given, shard=shard))
+    sweep(replace(given, shard="1/1"))  # as if somebody had given all of it again, not the other half
     (standing,) = survey([tmp_path / "board"])
-    assert (len(standing.finished), len(standing.twice), standing.whole) == (12, 4, True)
-    sweep(replace(given, merge=True))
+    assert (len(standing.finished), len(standing.twice), standing.whole) == (RUNS, RUNS // 2, True)
+    assert sweep(replace(given, merge=True)).startswith("page: ")
     assert sorted_lines(tmp_path / "board") == sorted_lines(tmp_path / "board" / "shards" / "1-of-1")
 
 
@@ -172,12 +171,11 @@ def test_options_that_do_not_fit_are_named(tiny, changes, message):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::Warning:distributed.*", "ignore::ResourceWarning")
-def test_processes_a_dask_cluster_and_three_merged_shards_give_the_ledger_of_one_process(tmp_path):
+def test_processes_a_dask_cluster_and_three_merged_shards_give_the_ledger_of_one_process(arguments, tmp_path):
     pytest.importorskip("distributed")
-    whole = in_one_process(tmp_path / "whole")
-    assert len(whole) == 30
+    whole = in_one_process(arguments("whole"))
     for backend in BACKENDS:
-        sweep(arguments(tmp_path / backend, backend=backend, unit=2))
+        sweep(arguments(backend, backend=backend, unit=4))
         assert sorted_lines(tmp_path / backend) == whole
-    in_shards(arguments(tmp_path / "shards", backend="threading"), 3)
+    in_shards(arguments("shards", backend="threading"), 3)
     assert sorted_lines(tmp_path / "shards") == whole
