@@ -17,6 +17,7 @@ from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.problem import FRESH, TuningProblem, run_together
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed, problem, trained_argument
+from experiments.orders import ask
 
 TOGETHER = 64  # runs in lock-step: a round of them is one planner call
 
@@ -162,8 +163,9 @@ def play_missing(
         advance: called with the number of jobs that are done.
         alike: only jobs for which this is equal are played together.
     """
-    missing = []
-    for job in todo:
+    missing, asked = [], list(todo)
+    ask(ledger.folder, [job.key for job in asked])
+    for job in asked:
         if ledger.run(job.key).outcome is None:
             missing.append(job)
         else:
@@ -202,6 +204,8 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -
             tuple(each.lengths.tolist()),
             tuple(p.gap(each.lengths).tolist()),
         )
+        if run.traced:
+            run.trace([each[k].best for k in range(fresh)])
         run.finish(Outcome(*outcome))
         run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
 

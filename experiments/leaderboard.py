@@ -176,12 +176,17 @@ def board_jobs(plan: Plan, rounds: Sequence[Round]) -> list[Job]:  # noqa: ARG00
     return tracks.jobs(rounds)
 
 
+def pins(arguments: Arguments) -> dict[str, str]:
+    """Return the hashes of the files that the entrants of a board are, by name."""
+    return provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+
+
 def run_board(arguments: Arguments) -> Path:
     """Run what is missing of a board, show it, and return the page."""
     plan = plan_board(arguments)
     with Ledger(arguments.out, plan.config, plan.versions, provenance.facts()) as ledger:
         rounds = enter_board(arguments, plan)
-        ledger.pin(provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers))
+        ledger.pin(pins(arguments))
         todo = board_jobs(plan, rounds)
         title = f"{arguments.preset} board: {len(rounds)} rounds, {len(plan.items)} maps"
         with progress(title, len(todo)) as advance:

@@ -16,42 +16,32 @@ would round them; schema 1 wrote them as numbers. A ledger goes on in the schema
 
 import fcntl
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any
+
+from numpy.typing import ArrayLike
 
 from antgym.errors import LedgerError
+from antgym.tuning.kept import (
+    TRIALS,
+    KeptRun,
+    Outcome,
+    enter,
+    enter_fields,
+    outcome_fields,
+    read_runs,
+    trial_fields,
+)
 from antgym.tuning.lines import append, mend, read
 from antgym.tuning.manifest import MANIFEST, SCHEMA, Manifest, read_manifest
-from antgym.tuning.session import Record, Trial
+from antgym.tuning.session import Record
+from antgym.tuning.traces import copy_traces, write_trace
 
 __all__ = ["MANIFEST", "SCHEMA", "TIMING", "TRIALS", "KeptRun", "Ledger", "LedgerRun", "Outcome", "read_runs"]
-TRIALS, TIMING = "trials.jsonl", "timing.jsonl"
-
-
-class Outcome(NamedTuple):
-    """How a run ended: the recommended setting, and the lengths and gaps of its fresh, uncharged runs."""
-
-    unit: tuple[float, ...]
-    lengths: tuple[float, ...]
-    gaps: tuple[float, ...]
-
-
-class KeptRun:
-    """What a ledger holds of one agent on one problem with one seed.
-
-    Attributes:
-        key: how the ledger calls it.
-        records: its trials, in order.
-        outcome: None as long as it is not finished.
-    """
-
-    def __init__(self, key: str) -> None:
-        self.key = key
-        self.records: list[Record] = []
-        self.outcome: Outcome | None = None
+TIMING = "timing.jsonl"
 
 
 class LedgerRun(KeptRun):
@@ -100,12 +90,19 @@ class LedgerRun(KeptRun):
 
     def _trial_lines(self, records: Sequence[Record]) -> list[dict[str, Any]]:
         schema = self._ledger.schema
-        return [{"run": self.key, "kind": "trial", **_record_fields(record, schema)} for record in records]
+        return [{"run": self.key, "kind": "trial", **trial_fields(record, schema)} for record in records]
 
     def _outcome_line(self, outcome: Outcome) -> dict[str, Any]:
-        lengths = [_number(length) for length in outcome.lengths]
-        fields = {"unit": list(outcome.unit), "lengths": lengths, "gaps": list(outcome.gaps)}
-        return {"run": self.key, "kind": "outcome", **fields}
+        return {"run": self.key, "kind": "outcome", **outcome_fields(outcome)}
+
+    @property
+    def traced(self) -> bool:
+        """Whether the ledger keeps traces."""
+        return self._ledger.traces
+
+    def trace(self, best: ArrayLike) -> None:
+        """Write the (fresh, iterations) best lengths so far of the runs that judge the recommendation."""
+        write_trace(self._ledger.folder, self.key, best)
 
     def time(self, **seconds: float) -> None:
         """Write seconds spent, apart from the deterministic record."""
@@ -122,6 +119,7 @@ class Ledger:
         config: what is run, JSON; a folder made with another config is refused.
         versions: library versions, kept from the first opening; changes are named when a replay differs.
         facts: anything else worth keeping (commit, CPU, threads), JSON.
+        traces: whether runs leave traces, see :mod:`antgym.tuning.traces`.
 
     Raises:
         LedgerError: if the folder belongs to another config or schema, is in use, or holds a damaged line.
@@ -133,8 +131,10 @@ class Ledger:
         config: Mapping[str, Any],
         versions: Mapping[str, str],
         facts: Mapping[str, Any] | None = None,
+        *,
+        traces: bool = False,
     ) -> None:
-        self.folder = Path(folder)
+        self.folder, self.traces = Path(folder), traces
         with ExitStack() as files:
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
@@ -146,7 +146,7 @@ class Ledger:
             self._manifest = Manifest(self.folder, config, versions, facts or {})
             mend(self._timing)
             self._runs: dict[str, LedgerRun] = {}
-            _enter(mend(self._trials), self.folder, self.run)
+            enter(mend(self._trials), self.folder, self.run)
             self._files = files.pop_all()
 
     def __enter__(self) -> "Ledger":
@@ -193,12 +193,14 @@ class Ledger:
         Raises:
             LedgerError: if the part belongs to another config or other files, or tells of a run what this one does not.
         """
-        self._manifest.take_in(read_manifest(folder), folder)
-        parts = read_runs(folder)
-        lines = [line for part in parts.values() for line in self.run(part.key).lacks(part)]
+        manifest = read_manifest(folder)
+        self._manifest.require_part(manifest, folder)
+        lines = [line for part in read_runs(folder).values() for line in self.run(part.key).lacks(part)]
+        self._manifest.take_in(manifest)
+        copy_traces(folder, self.folder)
         self.write(lines)
         for line in lines:
-            _enter_fields(self.run(line["run"]), line)
+            enter_fields(self.run(line["run"]), line)
         done = {line["run"] for line in lines if line["kind"] == "outcome"}
         timing = [json.loads(line) for line in read(folder / TIMING)]
         append(self._timing, [line for line in timing if line["run"] in done])
@@ -218,68 +220,3 @@ class Ledger:
             raise LedgerError(
                 f"{self.folder} is in use by another process; wait for it or use another folder"
             ) from None
-
-
-def read_runs(folder: Path) -> dict[str, KeptRun]:
-    """Return what a ledger holds by key, open in another process or not; nothing is locked, mended or written.
-
-    Raises:
-        LedgerError: if the folder holds no ledger that can be read, or a damaged line.
-    """
-    read_manifest(folder)
-    runs: dict[str, KeptRun] = {}
-
-    def run(key: str) -> KeptRun:
-        return runs.setdefault(key, KeptRun(key))
-
-    _enter(read(folder / TRIALS), folder, run)
-    return runs
-
-
-def _enter(lines: Sequence[bytes], folder: Path, run: Callable[[str], KeptRun]) -> None:
-    """Enter the lines of a ledger's trials into its runs."""
-    for number, line in enumerate(lines, start=1):
-        try:
-            fields = json.loads(line)
-            _enter_fields(run(fields["run"]), fields)
-        except (ValueError, KeyError, TypeError) as error:
-            raise LedgerError(
-                f"{folder / TRIALS}, line {number} is damaged ({error}); remove this line's run or use another folder"
-            ) from None
-
-
-def _enter_fields(run: KeptRun, fields: Mapping[str, Any]) -> None:
-    if run.outcome is not None:
-        raise ValueError(f"a line of {run.key!r} after the one that ends it")
-    if fields["kind"] == "outcome":
-        lengths = tuple(_length(length) for length in fields["lengths"])
-        run.outcome = Outcome(tuple(fields["unit"]), lengths, tuple(fields["gaps"]))
-        return
-    if fields["index"] != len(run.records):
-        raise ValueError(f"trial {fields['index']} where {len(run.records)} was due")
-    trial = Trial(fields["index"], tuple(fields["unit"]), fields["cost"], fields["work"])
-    run.records.append(Record(trial, _length(fields["length"]), _seed(fields["seed"])))
-
-
-def _record_fields(record: Record, schema: int) -> dict[str, Any]:
-    trial = record.trial
-    return {
-        "index": trial.index,
-        "unit": list(trial.unit),
-        "cost": trial.cost,
-        "work": trial.work,
-        "length": _number(record.length),
-        "seed": record.seed if schema == 1 else f"{record.seed:#018x}",
-    }
-
-
-def _seed(value: int | str) -> int:
-    return value if isinstance(value, int) else int(value, 16)
-
-
-def _number(length: float) -> float | None:
-    return length if length < float("inf") else None  # JSON has no infinity
-
-
-def _length(value: float | None) -> float:
-    return float("inf") if value is None else value

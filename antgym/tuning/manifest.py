@@ -89,13 +89,16 @@ class Manifest:
                 )
         self._write()
 
-    def take_in(self, other: Mapping[str, Any], folder: Path) -> None:
-        """Note where a part of the runs was made: what another manifest tells of versions and machine.
+    def require_part(self, other: Mapping[str, Any], folder: Path) -> None:
+        """Raise LedgerError unless another ledger's manifest is one of the same config."""
+        self._require(other["config"], self.fields["config"], folder, f"it cannot be part of {self._folder}")
+
+    def take_in(self, other: Mapping[str, Any]) -> None:
+        """Note where a part of the runs was made: what its manifest tells of versions and machine.
 
         Raises:
-            LedgerError: if it belongs to another config, or was tied to other files.
+            LedgerError: if it was tied to other files.
         """
-        self._require(other["config"], self.fields["config"], folder, f"it cannot be part of {self._folder}")
         self.pin(other.get("pinned", {}))
         parts = self.fields.setdefault("parts", [])
         for part in other.get("parts") or [{name: other[name] for name in other if name not in OURS}]:

@@ -338,3 +338,13 @@ def test_a_pinned_file_may_not_change(tmp_path):
         ledger.pin({"graph.json": "aa", "policy.zip": "bb"})
         with pytest.raises(LedgerError, match=r"policy\.zip is not the file"):
             ledger.pin({"policy.zip": "cc"})
+
+
+def test_a_run_that_failed_is_kept_with_its_reason(tmp_path):
+    failed = Outcome((0.5,) * 4, (float("inf"),), (1.0,), "ask() hung")
+    with opened(tmp_path) as ledger:
+        ledger.run("bad/0").finish(failed)
+        ledger.run("good/0").finish(OUTCOME)
+    assert ["failure" in line for line in sorted_lines(tmp_path)] == [True, False]
+    with opened(tmp_path) as ledger:
+        assert ledger.run("bad/0").outcome == failed
