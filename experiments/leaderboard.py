@@ -82,7 +82,7 @@ class Plan(NamedTuple):
     """What a board asks for, known before anything is trained or run.
 
     Attributes:
-        config: of its ledger, which is refused by any other.
+        config: of its ledger, which is refused by any other; tracks, budgets and controllers may join later.
         versions: of what its agents depend on.
         items: the maps.
         preset: how much of everything.
@@ -96,8 +96,8 @@ class Plan(NamedTuple):
 
 def plan_board(arguments: Arguments) -> Plan:
     """Return what a board asks for; ParameterError on agents, suites, splits or budgets that there are not."""
-    preset = PRESETS[arguments.preset]
     _check(arguments)
+    preset = PRESETS[arguments.preset]
     items = _items(arguments, preset)
     config = {
         "code": provenance.code_hash(),
@@ -107,9 +107,6 @@ def plan_board(arguments: Arguments) -> Plan:
         "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
-        "tracks": _tracks(arguments),
-        "budgets": {track: list(_budgets(track, arguments)) for track in _tracks(arguments)},
-        "controllers": list(arguments.controllers),
     }
     names = [*arguments.agents, *_references(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)
@@ -125,6 +122,8 @@ def _check(arguments: Arguments) -> None:
         raise ParameterError(f"--maps {arguments.maps}: needs at least one")
     if arguments.split == "train":
         raise ParameterError("--split train: agents learn from these maps; judge on validation, test or ood")
+    for track in arguments.track:
+        _budgets(track, arguments)
     if arguments.controllers and "C" not in arguments.track:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
 
