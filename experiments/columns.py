@@ -37,7 +37,7 @@ COLUMNS = (
     Column(
         "mean gap %",
         "(L − L*) / L* of the path found with the recommended setting, averaged over maps and tuner seeds; no path "
-        "counts as 100 %. In brackets its 95 % interval (bootstrap over maps, then seeds).",
+        "counts as 100 %. In brackets its 95 % interval (bootstrap over maps).",
         lambda row, board: row.mean,
         percent,
     ),

@@ -32,7 +32,7 @@ def test_rows_are_ranked_by_mean_gap_and_references_get_no_place():
 
 
 def test_an_agent_that_is_not_told_apart_from_the_one_above_is_marked_as_a_tie():
-    noise = np.array([[0.1, -0.1], [-0.1, 0.1], [0.1, -0.1], [-0.1, 0.1]])
+    noise = np.array([[0.1, 0.1], [-0.1, 0.0], [0.1, 0.0], [-0.1, -0.1]])  # better on some maps only
     rows = [constant("a", 0.4), row("b", 0.401 + noise), constant("c", 0.9)]
     assert [str(place) for place in board(*rows).places.values()] == ["1", "2 ≈", "3"]
 
