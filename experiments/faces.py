@@ -21,7 +21,7 @@ from antgym.tuning.problem import FRESH
 from experiments.board import EXACT, Board, Picture, Row, to_markdown, to_table
 from experiments.contest import Entrant, Job
 from experiments.presets import Preset
-from experiments.report.page import write_page
+from experiments.report.page import write_site
 
 CELLS = 96  # a side, by which discs are drawn
 SHOWN = ("published_default", "random_search", "optuna_tpe", "transfer_graph", "rl", "best_static")
@@ -47,9 +47,7 @@ def show(
     )
     Console(width=160 if not Console().is_terminal else None).print(to_table(board))
     write_whole(folder / "board.md", (to_markdown(board) + "\n").encode())
-    page = folder / "index.html"
-    write_page(board, page)
-    return page
+    return write_site([board], folder, folder)
 
 
 def _title(items: Sequence[SuiteItem], config: dict[str, Any]) -> str:
