@@ -31,7 +31,7 @@ def _curve(name: str, boards: Sequence[Board], hue: Hue) -> dict[str, Any]:
     found = [(board.budget, row) for board in boards for row in board.rows if row.name == name]
     ends = [row.interval or (row.mean, row.mean) for _, row in found]
     return {
-        "agent": hue.index,
+        "agent": hue.number,
         "budgets": [budget for budget, _ in found],
         "means": _short([row.mean for _, row in found]),
         "lows": _short([low for low, _ in ends]),
@@ -54,7 +54,7 @@ def profile(board: Board, hues: dict[str, Hue]) -> dict[str, Any]:
 def _shares(row: Row, taus: NDArray[np.float64], hue: Hue) -> dict[str, Any]:
     band = performance_profile(row.gaps, taus)
     return {
-        "agent": hue.index,
+        "agent": hue.number,
         "shares": _short(band.mean),
         "lows": _short(band.low),
         "highs": _short(band.high),

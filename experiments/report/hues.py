@@ -13,13 +13,13 @@ class Hue(NamedTuple):
     """How one name is drawn.
 
     Attributes:
-        index: of the name on the site, by which scripts and tables call it.
+        number: of the name on the site, by which scripts and tables call it.
         colour: custom property of the style sheet, and class that sets it.
         dash: of its lines.
         kind: ``"agent"`` or ``"reference"``.
     """
 
-    index: int
+    number: int
     colour: str
     dash: str
     kind: str

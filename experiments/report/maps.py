@@ -25,7 +25,7 @@ def map_data(board: Board, scenario: int, runs: dict[str, Run], hues: dict[str, 
         found = [behind(board, row, scenario, seed, runs) for seed in range(len(row.gaps[scenario]))]
         rows.append(
             {
-                "agent": hues[row.name].index,
+                "agent": hues[row.name].number,
                 "gaps": [round(gap, 6) for gap in row.gaps[scenario]],
                 "runs": [run.data() if run else None for run in found],
             }
@@ -59,7 +59,7 @@ def _picture(board: Board, picture: Picture, hues: dict[str, Hue]) -> dict[str, 
     return {
         **figure(board, picture),
         "paths": [
-            {"agent": hues[name].index, "note": _note(picture, name)} for name in drawn(board, picture)
+            {"agent": hues[name].number, "note": _note(picture, name)} for name in drawn(board, picture)
         ],
         "optimum": f"{picture.optimum:,.1f}",
         "notes": " ".join(notes),

@@ -53,7 +53,7 @@ def ranking_row(board: Board, row: Row, hue: Hue) -> str:
         for value, text in zip(values, cells(row, board), strict=True)
     )
     return (
-        f'<tr class="{row.kind}" data-agent="{hue.index}">'
+        f'<tr class="{row.kind}" data-agent="{hue.number}">'
         f'<td class="place" data-value="{place.number if place else ""}">{place or ""}</td>'
         f'<th scope="row" data-value="{escape(row.name)}">{swatch(hue)}<span class="name">{label(row.name)}</span>'
         f'<span class="summary">{escape(row.summary)}</span></th>{numbers}</tr>'
@@ -86,7 +86,7 @@ def _track(row: Row, hue: Hue, top: float, backdrop: str) -> str:
         spoken, text = f", 95 % interval {low} to {high} %", f" <span>[{low}–{high}]</span>"
     tick = _at(row.interquartile, top)
     return (
-        f'<div class="{row.kind}" data-agent="{hue.index}"><span class="name">{label(row.name)}</span>'
+        f'<div class="{row.kind}" data-agent="{hue.number}"><span class="name">{label(row.name)}</span>'
         f'<svg class="{hue.colour}" role="img" aria-label="mean gap {mean} %{spoken}">{backdrop}{bar}'
         f'<line class="middle" x1="{tick}" x2="{tick}" y1="25%" y2="75%"/>'
         f'<circle cx="{_at(row.mean, top)}" cy="50%" r="5"/></svg><span class="value">{mean}{text}</span></div>'
@@ -144,7 +144,7 @@ def heat(board: Board, hues: dict[str, Hue], link: Callable[[int], str]) -> str:
 def upright(row: Row, hue: Hue) -> str:
     """Return the heading of a row's column, written upwards."""
     return (
-        f'<th scope="col" class="upright {row.kind}" data-agent="{hue.index}">'
+        f'<th scope="col" class="upright {row.kind}" data-agent="{hue.number}">'
         f"<span>{swatch(hue)}{label(row.name)}</span></th>"
     )
 
@@ -155,7 +155,7 @@ def _heat_cells(board: Board, hues: dict[str, Hue], scenario: int, top: float) -
         (gap for gap, row in zip(gaps, board.ranked, strict=True) if row.kind == "agent"), default=-1.0
     )
     return "".join(
-        f'<td data-agent="{hues[row.name].index}" style="--share:{100 * math.sqrt(max(gap, 0.0) / top):.0f}%">'
+        f'<td data-agent="{hues[row.name].number}" style="--share:{100 * math.sqrt(max(gap, 0.0) / top):.0f}%">'
         f"{_strong(percent(gap), gap, best, row)}</td>"
         for gap, row in zip(gaps, board.ranked, strict=True)
     )

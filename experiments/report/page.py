@@ -16,7 +16,7 @@ from typing import Any
 from antgym.console import progress, write_whole
 from antgym.errors import AntgymError, MissingExtraError
 from experiments.board import EXACT, Board
-from experiments.columns import COLUMNS, TIE, percent, size
+from experiments.columns import COLUMNS, TIE, size
 from experiments.report import marks
 from experiments.report.cards import agent_card, definition, flat
 from experiments.report.curves import anytime, profile
@@ -24,6 +24,7 @@ from experiments.report.hues import Hue, hues
 from experiments.report.importance import importance
 from experiments.report.maps import map_data, world_of
 from experiments.report.runs import Run, read_runs
+from experiments.report.titles import TRACKS, board_id, board_label, choice, result
 from experiments.report.versus import versus
 
 HERE = Path(__file__).parent
@@ -34,11 +35,10 @@ POLICY = (
     "default-src 'none'; style-src 'self' 'unsafe-inline'; script-src 'self'; img-src data: blob:; "
     "base-uri 'none'; form-action 'none'"
 )
-TRACKS = {
-    "A": ("per map", "Tuned on each map by itself, from nothing."),
-    "B": ("after training", "Trained on other maps before; then no or a few trials on each new map."),
-    "C": ("control", "The parameters change on the way, within one run; no trial is paid."),
-}
+HELP = (
+    f'<p class="help">{escape(TIE)} Rows in italics are references, which do not compete. A heading sorts; pressed '
+    "again, the other way round.</p>"
+)
 ONE_MAP = '<p class="help">One map tells nobody apart.</p>'
 HASH = 12  # letters of the hash that names a folder of data
 HASHED = "[0-9a-f]" * HASH
@@ -73,7 +73,7 @@ def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
     looks = hues(boards)
     runs = read_runs(ledger, {key for board in boards for key in _keys(board)})
     with progress("page", 2 * len(boards)) as advance:
-        records = {}
+        records: dict[str, str] = {}
         for board in boards:
             records |= _records(board, runs, looks)
             advance(1)
@@ -84,18 +84,6 @@ def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
         write_whole(folder / name, text.encode())
     _forget(folder / "data", folder / data)
     return folder / "index.html"
-
-
-def board_id(board: Board) -> str:
-    """Return how a page's addresses call a board, as ``A-20``."""
-    return f"{board.track}-{board.budget}"
-
-
-def board_label(board: Board) -> str:
-    """Return what a page calls a board among others."""
-    if board.track == "C":
-        return "C · control"
-    return f"{board.track} · {board.budget:,} trial{'' if board.budget == 1 else 's'}"
 
 
 def _keys(board: Board) -> set[str]:
@@ -156,7 +144,6 @@ def _page(boards: Sequence[Board], looks: dict[str, Hue], data: str, advance: Ca
         title=escape(title),
         description=escape(f"{title}: agents that tune a swarm path planner, {size(boards[0])}."),
         boards=_choices(boards),
-        tie=escape(TIE),
         importance=importance([world for board in boards if (world := world_of(board))]),
         agents="\n".join(agent_card(name, boards, looks[name], labels) for name in _named(boards)),
         meanings="\n".join(definition(column.heading, column.meaning) for column in COLUMNS),
@@ -183,7 +170,7 @@ def _choices(boards: Sequence[Board]) -> str:
     groups = []
     for track, (name, meaning) in TRACKS.items():
         links = "".join(
-            f'<a href="#{board_id(board)}" data-choice="{board_id(board)}">{_choice(board)}</a>'
+            f'<a href="#{board_id(board)}" data-choice="{board_id(board)}">{choice(board)}</a>'
             for board in boards
             if board.track == track
         )
@@ -194,18 +181,13 @@ def _choices(boards: Sequence[Board]) -> str:
     return "\n".join(groups)
 
 
-def _choice(board: Board) -> str:
-    return "one run" if board.track == "C" else f'{board.budget:,}<span class="unseen"> trials</span>'
-
-
 def _panels(board: Board, looks: dict[str, Hue]) -> dict[str, str]:
     """Return a board's part of every section of the page."""
     ranked = "\n".join(marks.ranking_row(board, row, looks[row.name]) for row in board.ranked)
     parts = {
-        "results": _result(board),
-        "rankings": _table(
-            "ranking", board, f"<thead><tr>{marks.headings()}</tr></thead>\n<tbody>{ranked}</tbody>"
-        ),
+        "rankings": result(board)
+        + HELP
+        + _table("ranking", board, f"<thead><tr>{marks.headings()}</tr></thead>\n<tbody>{ranked}</tbody>"),
         "intervals": f'<div class="plot">{marks.intervals(board, looks)}</div>',
         "versus": _table("versus", board, versus(board, looks)) if len(board.scenarios) > 1 else ONE_MAP,
         "heats": _table("heat", board, marks.heat(board, looks, lambda i: f"#{board_id(board)}/{i}")),
@@ -222,38 +204,6 @@ def _table(kind: str, board: Board, inner: str) -> str:
         f'<div class="scroller" role="region" aria-label="{escape(spoken)}" tabindex="0">'
         f'<table class="{kind}">{inner}</table></div>'
     )
-
-
-def _result(board: Board) -> str:
-    """Say what the board is, who is ahead, and of whom nobody can tell whether they are."""
-    name, meaning = TRACKS[board.track]
-    heading = f"Track {board.track}, {name}"
-    if board.track != "C":
-        heading += f": {board.budget:,} trial{'' if board.budget == 1 else 's'} on each map"
-    return (
-        f"<h2>{escape(heading)}</h2><p>{escape(meaning)} {escape(size(board))}.</p>"
-        f'<p class="result">{ahead(board)}</p>'
-    )
-
-
-def ahead(board: Board) -> str:
-    """Return the sentence, as HTML, that says which agent is ahead and whether that is sure."""
-    agents = [row for row in board.ranked if row.kind == "agent"]
-    if not agents:
-        return "No agent competes here: all rows are references."
-    best, *others = agents
-    space = "\N{NO-BREAK SPACE}"
-    ends = (
-        f" (95{space}% interval {percent(best.interval[0])} to {percent(best.interval[1])})"
-        if best.interval
-        else ""
-    )
-    text = (
-        f"<strong>{escape(best.name)}</strong> is ahead with a mean gap of {percent(best.mean)}{space}%{ends}"
-    )
-    if others and board.places[others[0].name].tied:
-        return f"{text}, but is not told apart from <strong>{escape(others[0].name)}</strong>."
-    return f"{text}."
 
 
 def _made_apart(boards: Sequence[Board]) -> list[Board]:
@@ -284,7 +234,7 @@ def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
     shown = [row.name for row in first.ranked if row.kind == "agent"][:AT_FIRST]
     return {
         "first": board_id(first),
-        "legend": [looks[name].index for name in _named(boards) if name != EXACT],
+        "legend": [looks[name].number for name in _named(boards) if name != EXACT],
         "agents": [
             {
                 "name": name,
@@ -300,7 +250,7 @@ def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
                 "track": board.track,
                 "budget": board.budget,
                 "maps": board.scenarios,
-                "order": [looks[row.name].index for row in board.ranked if row.kind == "agent"],
+                "order": [looks[row.name].number for row in board.ranked if row.kind == "agent"],
                 "profile": profile(board, looks) if len(board.scenarios) > 1 else None,
             }
             for board in boards

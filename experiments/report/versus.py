@@ -37,19 +37,19 @@ def _line(row: Row, rows: list[Row], odds: dict[tuple[str, str], Estimate], hues
     cells = "".join(_cell(row, other, odds.get((row.name, other.name)), hues[other.name]) for other in rows)
     hue = hues[row.name]
     return (
-        f'<tr class="{row.kind}" data-agent="{hue.index}">'
+        f'<tr class="{row.kind}" data-agent="{hue.number}">'
         f'<th scope="row">{swatch(hue)}{label(row.name)}</th>{cells}</tr>'
     )
 
 
 def _cell(row: Row, other: Row, won: Estimate | None, hue: Hue) -> str:
     if won is None:
-        return f'<td class="none" data-agent="{hue.index}">·</td>'
+        return f'<td class="none" data-agent="{hue.number}">·</td>'
     text = f"{100 * won.mean:.0f}"
     sure = won.low > 0.5 or won.high < 0.5
     spoken = f"{row.name} beats {other.name}: {text} % [{100 * won.low:.0f}–{100 * won.high:.0f}]"
     side = "better" if won.mean >= 0.5 else "worse"
     return (
-        f'<td class="{side}" data-agent="{hue.index}" title="{escape(spoken)}" '
+        f'<td class="{side}" data-agent="{hue.number}" title="{escape(spoken)}" '
         f'style="--share:{200 * abs(won.mean - 0.5):.0f}%">{f"<b>{text}</b>" if sure else text}</td>'
     )

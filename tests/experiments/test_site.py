@@ -33,7 +33,9 @@ CONTRAST = """(nodes) => nodes.filter((node) => node.checkVisibility()).map((nod
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser")
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no chromium, chromium-browser or google-chrome")
 expect = sync_api.expect
-expect.set_options(timeout=30_000)  # a scene takes a second to draw on a processor, and much more on a busy one
+expect.set_options(
+    timeout=30_000
+)  # a scene takes a second to draw on a processor, and much more on a busy one
 
 
 @pytest.fixture(scope="module")

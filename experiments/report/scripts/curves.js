@@ -100,11 +100,13 @@
       due = false;
       drawBudgets();
       drawProfile();
+      document.getElementById("curves").hidden = document.querySelectorAll("#curves figure:not([hidden])").length === 0;
     });
   }
 
   function press(agent, button) {
     agent.shown = !agent.shown;
+    pointed = null;
     button.setAttribute("aria-pressed", String(agent.shown));
     draw();
   }
@@ -119,7 +121,8 @@
       const agent = site.agents[i];
       const button = element("button", { type: "button", "aria-pressed": agent.shown }, swatch(agent), agent.name);
       button.addEventListener("click", () => press(agent, button));
-      for (const event of ["pointerenter", "focus"]) button.addEventListener(event, () => point(i));
+      button.addEventListener("pointerenter", () => point(i));
+      button.addEventListener("focus", () => { if (button.matches(":focus-visible")) point(i); }); // a touch focuses, too
       for (const event of ["pointerleave", "blur"]) button.addEventListener(event, () => point(null));
       legend.append(element("li", { "data-agent": i }, button));
     }
