@@ -198,16 +198,17 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -
     judging = (time.perf_counter() - begun) / len(some)
     work = np.array([sum(trial.work for trial in result.trials) for result in results])
     shares = work / max(1, work.sum())  # of the batches' wall time: single runs have none of their own
-    for i, (run, p, each) in enumerate(zip(runs, problems, plans, strict=True)):
-        outcome = (
-            tuple(units[i].tolist()),
-            tuple(each.lengths.tolist()),
-            tuple(p.gap(each.lengths).tolist()),
-        )
-        if run.traced:
-            run.trace([each[k].best for k in range(fresh)])
-        run.finish(Outcome(*outcome))
-        run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
+    with runs[0].hold():
+        for i, (run, p, each) in enumerate(zip(runs, problems, plans, strict=True)):
+            outcome = (
+                tuple(units[i].tolist()),
+                tuple(each.lengths.tolist()),
+                tuple(p.gap(each.lengths).tolist()),
+            )
+            if run.traced:
+                run.trace([each[k].best for k in range(fresh)])
+            run.finish(Outcome(*outcome))
+            run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
 
 
 def _tune(
