@@ -8,16 +8,23 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 import agents
-from antgym.errors import LedgerError
+from agents.stranger import CALL_SECONDS, Stranger
+from agents.submission import TableAgent
+from antgym.errors import AgentError, LedgerError, ParameterError
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.agent import Agent, Result, tune_together
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
-from antgym.tuning.problem import FRESH, TuningProblem, run_together
+from antgym.tuning.problem import FRESH, GAP_CAP, Task, TuningProblem, run_together
 from antgym.tuning.session import Session
+from experiments import provenance
 from experiments.artefacts import derived_seed, problem, trained_argument
 
+Floats = NDArray[np.float64]
+STRANGER = "agents.stranger:Stranger"
+DEFAULT = 0.5  # of every parameter: the published one
 TOGETHER = 64  # runs in lock-step: a round of them is one planner call
 
 
@@ -50,27 +57,43 @@ class Job(NamedTuple):
         return problem(self.item, "board", self.seed)
 
     @property
+    def agent(self) -> Agent:
+        """The entrant's agent; a submitted table is told which map it is asked about, since no task says so."""
+        agent = self.entrant.agent
+        return agent.on(self.item.name) if isinstance(agent, TableAgent) else agent
+
+    @property
     def agent_seed(self) -> int:
         """The seed of the agent's own draws."""
         return derived_seed(self.entrant.name, self.item.scenario.digest, self.seed)
 
 
 class Stopwatch:
-    """A copy of an agent, and the seconds spent inside it."""
+    """A copy of an agent, the seconds spent inside it, and how it failed, if it is a stranger's and did.
+
+    An agent that failed asks for nothing more, and stands with the published default, which is not its own answer.
+    """
 
     def __init__(self, agent: Agent) -> None:
         self._agent = copy(agent)  # what training left is shared, what a task brings is not
         self.seconds = 0.0
+        self.failure = ""
 
     def _timed(self, name: str, *args: Any, **kwargs: Any) -> Any:
+        if self.failure:
+            return self._nothing
         begun = time.perf_counter()
         try:
             return getattr(self._agent, name)(*args, **kwargs)
+        except AgentError as error:
+            self.failure = str(error)
+            return self._nothing
         finally:
             self.seconds += time.perf_counter() - begun
 
-    def reset(self, task: Any, *, seed: int) -> None:
+    def reset(self, task: Task, *, seed: int) -> None:
         """Pass on."""
+        self._nothing = np.empty((0, len(task.space)))
         self._timed("reset", task, seed=seed)
 
     def ask(self) -> Any:
@@ -83,28 +106,56 @@ class Stopwatch:
 
     def recommend(self) -> Any:
         """Pass on."""
-        return self._timed("recommend")
+        found = self._timed("recommend")
+        return np.full(self._nothing.shape[1], DEFAULT) if self.failure else found
+
+    def stop(self) -> None:
+        """End a stranger's process; what it computed between calls is counted too."""
+        if isinstance(self._agent, Stranger):
+            self._agent.close()
+            self.seconds = max(self.seconds, self._agent.cpu)
 
 
 def enter(
-    names: Sequence[str], folder: Path, spent: dict[str, int], references: Sequence[str] = ()
+    names: Sequence[str],
+    folder: Path,
+    spent: dict[str, int],
+    references: Sequence[str] = (),
+    call_seconds: float = CALL_SECONDS,
 ) -> list[Entrant]:
     """Return entrants with the artefacts of a folder: first agents, then references.
 
     Args:
-        names: agents of the catalogue.
+        names: agents of the catalogue, ``path/to/file.py:ClassName`` of strangers', and folders of submissions.
         folder: where their artefacts are.
         spent: what each artefact's training spent.
         references: agents of the catalogue that take no place.
+        call_seconds: that a stranger's agent may take for one call.
     """
+    if not call_seconds > 0:
+        raise ParameterError(f"--call-seconds {call_seconds}: an agent needs more than 0 seconds for a call")
     out = []
     for name in (*names, *references):
         card = agents.find_card(name)
-        argument = trained_argument(name, folder)
-        training = sum(spent[path.name] for path in argument.values())
+        argument: dict[str, Any] = trained_argument(name, folder)
+        training = card.training + sum(spent[path.name] for path in argument.values())
+        if card.entry_point == STRANGER:
+            argument["seconds"] = call_seconds
         kind: Literal["agent", "reference"] = "reference" if name in references else "agent"
         out.append(Entrant(name, kind, card.summary, agents.make(name, **argument), training))
     return out
+
+
+def foreign_files(names: Sequence[str]) -> dict[str, str]:
+    """Return the hashes of strangers' files and submissions by name, which a ledger is tied to."""
+    cards = [card for card in map(agents.find_card, names) if card.files]
+    return {f"{card.name} ({path.name})": provenance.file_hash(path) for card in cards for path in card.files}
+
+
+def failures(outcomes: Iterable[Outcome]) -> str:
+    """Return the clause that says how many runs of an agent failed, and how the first did; empty where none did."""
+    said = [outcome.failure for outcome in outcomes if outcome.failure]
+    return f"; {len(said)} failed, each counts as no path: {said[0]}" if said else ""
 
 
 def jobs(
@@ -144,31 +195,40 @@ def play(todo: Iterable[Job], ledger: Ledger, fresh: int, advance: Callable[[int
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -> None:
     begun = time.perf_counter()
     problems = [job.problem for job in some]
-    watches = [Stopwatch(job.entrant.agent) for job in some]
-    results = _tune(some, problems, watches, runs)
-    tuning = time.perf_counter() - begun - sum(watch.seconds for watch in watches)
-    for run, result in zip(runs, results, strict=True):
-        if len(result.trials) < len(run.records):
+    watches = [Stopwatch(job.agent) for job in some]
+    try:
+        results = _tune(some, problems, watches, runs)
+        tuning = time.perf_counter() - begun - sum(watch.seconds for watch in watches)
+    finally:
+        for watch in watches:
+            watch.stop()
+    for run, result, watch in zip(runs, results, watches, strict=True):
+        if len(result.trials) < len(run.records) and not watch.failure:
             raise LedgerError(
                 f"{run.key}: the ledger holds {len(run.records)} trials, now it stops at {len(result.trials)}"
             )
     begun = time.perf_counter()
-    units = [result.recommendation for result in results]
-    requests = [
-        (p, np.repeat(unit[None], fresh, axis=0), FRESH, 0) for p, unit in zip(problems, units, strict=True)
-    ]
-    plans = run_together(requests)
+    outcomes = _judge(problems, [result.recommendation for result in results], watches, fresh)
     judging = (time.perf_counter() - begun) / len(some)
     work = np.array([sum(trial.work for trial in result.trials) for result in results])
     shares = work / max(1, work.sum())  # of the batches' wall time: single runs have none of their own
-    for i, (run, p, each) in enumerate(zip(runs, problems, plans, strict=True)):
-        outcome = (
-            tuple(units[i].tolist()),
-            tuple(each.lengths.tolist()),
-            tuple(p.gap(each.lengths).tolist()),
-        )
-        run.finish(Outcome(*outcome))
+    for i, (run, outcome) in enumerate(zip(runs, outcomes, strict=True)):
+        run.finish(outcome)
         run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
+
+
+def _judge(
+    problems: Sequence[TuningProblem], units: Sequence[Floats], watches: Sequence[Stopwatch], fresh: int
+) -> list[Outcome]:
+    """Run recommendations on fresh seeds; an agent that failed has none, and every run counts as one without a path."""
+    none = (np.inf,) * fresh, (GAP_CAP,) * fresh
+    sound = [i for i, watch in enumerate(watches) if not watch.failure]
+    requests = [(problems[i], np.repeat(units[i][None], fresh, axis=0), FRESH, 0) for i in sound]
+    outcomes = [Outcome(tuple(u.tolist()), *none, w.failure) for u, w in zip(units, watches, strict=True)]
+    for i, plans in zip(sound, run_together(requests), strict=True):
+        gaps = problems[i].gap(plans.lengths)
+        outcomes[i] = Outcome(outcomes[i].unit, tuple(plans.lengths.tolist()), tuple(gaps.tolist()))
+    return outcomes
 
 
 def _tune(

@@ -19,7 +19,7 @@ from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, Outcome
 from antgym.tuning.problem import FRESH
 from experiments.board import EXACT, Board, Picture, Row, to_markdown, to_table
-from experiments.contest import Entrant, Job
+from experiments.contest import Entrant, Job, failures
 from experiments.presets import Preset
 from experiments.report.page import write_page
 
@@ -72,25 +72,26 @@ def _row(
     preset: Preset,
     seconds: dict[str, dict[str, float]],
 ) -> Row:
-    gaps, spent, optimism, solved, clocks = [], [], [], [], []
+    gaps, spent, optimism, solved, clocks, outcomes = [], [], [], [], [], []
     for item in items:
         for seed in range(preset.seeds):
             job = Job(entrant, item, seed, preset.budget)
             run = ledger.run(job.key)
             outcome = run.outcome
             assert outcome is not None, f"{run.key} is not finished"
+            outcomes.append(outcome)
             gaps.append(float(np.mean(outcome.gaps)))
             solved.append(np.isfinite(outcome.lengths).mean())
             spent.append(len(run.records))
             seen = [r.length for r in run.records if r.trial.unit == outcome.unit]
-            if seen:
+            if seen and not outcome.failure:
                 optimism.append(gaps[-1] - float(job.problem.gap(np.array(seen)).mean()))
             clocks.append(seconds.get(run.key, {}))
     table = np.array(gaps).reshape(len(items), preset.seeds)
     return Row(
         name=entrant.name,
         kind=entrant.kind,
-        summary=entrant.summary,
+        summary=entrant.summary + failures(outcomes),
         gaps=tuple(tuple(row) for row in table.tolist()),
         success=float(np.mean(solved)),
         deploy=float(np.mean(spent)),

@@ -14,13 +14,14 @@ from typing import Literal
 import tyro
 
 import agents
+from agents.stranger import CALL_SECONDS
 from antgym.console import main, progress
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger
 from experiments import provenance
 from experiments.artefacts import prepare
-from experiments.contest import enter, jobs, play
+from experiments.contest import enter, foreign_files, jobs, play
 from experiments.presets import PRESETS
 
 AGENTS = (
@@ -55,7 +56,9 @@ class Arguments:
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents and of index.html."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue of agents."""
+    """Names in the catalogue of agents; path/to/file.py:ClassName is one of yours, a folder a submission."""
+    call_seconds: float = CALL_SECONDS
+    """Seconds that an agent of yours may take for one call; then that run has failed, and the board goes on."""
     suite: str = "mountain-v0"
     """Suite of the maps; trained agents learn from its train split."""
     split: str = "ood"
@@ -86,8 +89,8 @@ def run_board(arguments: Arguments) -> Path:
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
         trained = arguments.out / "trained"
         spent = prepare(trained, arguments.suite, preset, (*arguments.agents, STATIC))
-        ledger.pin(provenance.file_hashes(trained))
-        contest = enter(arguments.agents, trained, spent, references=(STATIC,))
+        ledger.pin({**provenance.file_hashes(trained), **foreign_files(arguments.agents)})
+        contest = enter(arguments.agents, trained, spent, (STATIC,), arguments.call_seconds)
         todo = list(jobs(contest, items, preset.seeds, [preset.budget]))
         with progress(
             f"{arguments.preset} board: {len(contest)} agents, {len(items)} maps", len(todo)
