@@ -48,7 +48,7 @@ class Nursery:
         paths = os.pathsep.join([str(root), *filter(None, [os.environ.get("PYTHONPATH")])])
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "agents.stranger_process", str(theirs.fileno())],
+                [sys.executable, "-P", "-m", "agents.stranger_process", str(theirs.fileno())],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 env={**os.environ, "PYTHONPATH": paths, **dict.fromkeys(_THREADS, "1")},

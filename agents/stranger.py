@@ -39,13 +39,18 @@ class Stranger:
         cpu: seconds of CPU time that its processes have used, in calls and between them; counted as they end.
     """
 
+    _child: Child | None = None
+
     def __init__(
         self, file: str | Path, kind: str, *, seconds: float = CALL_SECONDS, memory: int = MEMORY
     ) -> None:
         self.file, self.kind = Path(file).resolve(), kind
         self.seconds, self.memory = seconds, memory
         self.cpu = 0.0
-        self._child: Child | None = None
+
+    def __copy__(self) -> "Stranger":
+        """Return the same agent without a process: nobody shares one."""
+        return Stranger(self.file, self.kind, seconds=self.seconds, memory=self.memory)
 
     def __del__(self) -> None:
         self.close()

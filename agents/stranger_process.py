@@ -156,11 +156,13 @@ class Desk:
 
 def load_class(file: Path, kind: str) -> Any:
     """Run a stranger's file and return its class; files beside it can be imported."""
-    sys.path.insert(0, str(file.parent))
-    spec = spec_from_file_location(file.stem, file)
+    sys.path.append(str(file.parent))
+    spec = spec_from_file_location(
+        "stranger", file
+    )  # whatever the file is called, it takes no other module's place
     assert spec is not None
     assert spec.loader is not None
-    module = sys.modules[file.stem] = module_from_spec(spec)
+    module = sys.modules["stranger"] = module_from_spec(spec)
     spec.loader.exec_module(module)
     return getattr(module, kind)
 

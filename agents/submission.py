@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.algorithms import check_constructor
 from agents.catalogue import RL_LIBRARIES, Card
-from agents.published import is_number, is_whole, read_card
+from agents.published import PolicyCard, is_number, is_whole, read_card
 from agents.search import ZeroShot
 from agents.submitted_files import check_weights, is_file_name, read_object
 from antgym.errors import AgentError, ParameterError
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 MANIFEST, FORMAT, TABLE_FORMAT = "submission.json", "antgym submission 1", "antgym table 1"
-TRACKS, KINDS, SPLITS = ("A", "B"), ("table", "policy"), ("validation", "test", "ood")
+TRACKS, KINDS, SPLITS = ("A", "B", "C"), ("table", "policy"), ("validation", "test", "ood")
 MOST_MAP = 1 << 14  # numbers of a map that a policy may be shown; those of antgym have 3,072 or 12,288
 
 
@@ -36,13 +37,14 @@ class Submission:
         name: one line.
         authors: a line each.
         summary: one line.
-        track: ``"A"``, tuned on each map, or ``"B"``, trained elsewhere.
+        track: ``"A"``, tuned on each map; ``"B"``, trained elsewhere; ``"C"``, a policy that steers runs.
         suite: of the maps that the claim is about.
         split: its split.
         maps: the first so many of it.
         kind: ``"table"``, a setting for each map or each rule; ``"policy"``, NAME.json and NAME.safetensors.
         files: in this folder: the table's, or the policy's two.
-        mean_gap: claimed, in [0, 1]: mean over maps and seeds, 16 fresh runs of each recommendation.
+        mean_gap: claimed, in [0, 1]: mean over maps and seeds, of 16 fresh runs of each recommendation, or of a run
+            that is steered.
         seeds: that this mean is over, for each map.
         trials: planner runs that were paid for on each of these maps.
         training_trials: planner runs paid for anywhere else.
@@ -52,7 +54,7 @@ class Submission:
     name: str
     authors: list[str]
     summary: str
-    track: Literal["A", "B"]
+    track: Literal["A", "B", "C"]
     suite: str
     split: str
     maps: int
@@ -187,21 +189,38 @@ def read_submission(folder: Path) -> Submission:
     """
     path = folder / MANIFEST
     submission = Submission(**_checked(path, _CHECKS))
-    names = submission.files
-    if submission.kind == "table":
-        if len(names) != 1:
-            raise ParameterError(f"{path}: field 'files' = {names}: a table is one file")
+    names, steers = submission.files, False
+    if submission.kind == "policy":
+        steers = _read_policy(path, names).regime == "Control"
+    elif len(names) == 1:
         Table.read(folder / names[0])
-        return submission
+    else:
+        raise ParameterError(f"{path}: field 'files' = {names}: a table is one file")
+    if steers != (submission.track == "C"):
+        raise ParameterError(
+            f"{path}: field 'track' = {submission.track!r}: C is for policies of Control, and they for nothing else"
+        )
+    return submission
+
+
+def _read_policy(manifest: Path, names: list[str]) -> PolicyCard:
+    """Return a policy's card; ParameterError names the file and the field that are amiss."""
     stem = names[0].removesuffix(".json")
     if names != [f"{stem}.json", f"{stem}.safetensors"]:
-        raise ParameterError(f"{path}: field 'files' = {names}: a policy is NAME.json and NAME.safetensors")
-    check_weights(folder / names[1])
-    read_object(folder / names[0])  # as strictly as the manifest; its fields are the card's business
-    card = read_card(folder / names[0])
+        raise ParameterError(
+            f"{manifest}: field 'files' = {names}: a policy is NAME.json and NAME.safetensors"
+        )
+    file, weights = (manifest.parent / name for name in names)
+    check_weights(weights)
+    read_object(file)  # as strictly as the manifest; what its fields are is the card's business
+    card = read_card(file)
     if card.map is not None and np.prod(card.map) > MOST_MAP:
-        raise ParameterError(f"{folder / names[0]}: field 'map' = {card.map}: no map of antgym is that large")
-    return submission
+        raise ParameterError(f"{file}: field 'map' = {card.map}: no map of antgym is that large")
+    try:
+        check_constructor(card.constructor)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: {error}") from None
+    return card
 
 
 def make_agent(folder: str) -> "Agent":

@@ -35,12 +35,17 @@ def read_plain(path: Path, most: int) -> bytes:
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe would wait for a writer
     except OSError as error:
-        said = "is a link; put the file itself there" if path.is_symlink() else f"({error.strerror})"
-        raise ParameterError(f"{path}: cannot be read {said}") from None
+        said = (
+            "is a link; put the file itself there"
+            if path.is_symlink()
+            else f"cannot be read ({error.strerror})"
+        )
+        raise ParameterError(f"{path}: {said}") from None
+    status = os.fstat(handle)
+    if not stat.S_ISREG(status.st_mode):
+        os.close(handle)
+        raise ParameterError(f"{path}: is no plain file")
     with open(handle, "rb") as file:
-        status = os.fstat(handle)
-        if not stat.S_ISREG(status.st_mode):
-            raise ParameterError(f"{path}: is no plain file")
         if status.st_size > most:
             raise ParameterError(f"{path}: {status.st_size:,} bytes; at most {most:,} are read")
         return file.read(most)

@@ -162,7 +162,11 @@ def _items(arguments: Arguments) -> list[SuiteItem]:
         value = getattr(arguments, name)
         if value is not None and value < 1:
             raise ParameterError(f"--{name} {value}: needs at least one")
-    items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
+    return steerable(load_suite(arguments.suite, arguments.split)[: arguments.maps])
+
+
+def steerable(items: Sequence[SuiteItem]) -> list[SuiteItem]:
+    """Return maps with runs that are long enough to be steered."""
     return [item._replace(iterations=max(item.iterations, LEAST_ITERATIONS)) for item in items]
 
 

@@ -8,7 +8,9 @@ planner follows, is drawn and printed; ``--salt`` gives the same seeds again.
 
 import secrets
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,15 +19,19 @@ import tyro
 from numpy.typing import NDArray
 
 import antgym
+from agents.steering import PolicyController
 from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
 from antgym.console import main, parse, progress
+from antgym.envs.control import BLOCKS
 from antgym.errors import AgentError, ParameterError
 from antgym.maps.suites import Suite, SuiteItem, load_suite
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.problem import TuningProblem
-from antgym.tuning.session import Session
+from antgym.tuning.run_features import observe_run
+from antgym.tuning.session import Session, steer_together
 from experiments.artefacts import derived_seed, problem
 from experiments.columns import percent
+from experiments.control import steerable
 
 Floats = NDArray[np.float64]
 FRESH = 16  # runs that judge a recommendation, as on boards
@@ -44,7 +50,7 @@ class Arguments:
     salt: int | None = None
     """Root of the seeds, a whole number from 0 on; drawn and printed where none is given."""
     seeds: int = 3
-    """Seeds on each map, at least 2; each is one recommendation and sixteen runs with it."""
+    """Seeds on each map, at least 2; each is one recommendation and sixteen runs with it, or one run steered."""
 
 
 class Score(NamedTuple):
@@ -52,6 +58,10 @@ class Score(NamedTuple):
 
     gaps: Floats
     success: float
+
+
+Run = Callable[[SuiteItem, TuningProblem], Floats]
+"""Returns the path lengths of the runs that one seed on one map is scored by."""
 
 
 def verify(arguments: Arguments) -> int:
@@ -62,18 +72,11 @@ def verify(arguments: Arguments) -> int:
         )
     submission = read_submission(arguments.folder)
     items = maps_of(arguments.folder, submission)
-    agent = make_agent(str(arguments.folder))
     salt = secrets.randbits(63) if arguments.salt is None else arguments.salt
-    budget = submission.trials if submission.kind == "policy" else 0
-    with progress("scoring again", len(items) * arguments.seeds, after=PATIENCE) as advance:
-        found = []
-        for item in items:
-            try:
-                found.append(_score(agent, item, budget, salt, arguments.seeds))
-            except AgentError as error:
-                raise ParameterError(f"{arguments.folder}: {item.name}: {error}") from None
-            advance(arguments.seeds)
-    score = Score(np.array([gaps for gaps, _ in found]), float(np.mean([success for _, success in found])))
+    try:
+        score = _score(_runs(arguments.folder, submission), items, salt, arguments.seeds)
+    except AgentError as error:
+        raise ParameterError(f"{arguments.folder}: {error}") from None
     low, high = interval(score.gaps, submission.seeds)
     print(report(submission, score, low, high, salt))
     return 0 if low <= submission.mean_gap <= high else 1
@@ -89,20 +92,32 @@ def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
         raise ParameterError(
             f"{folder / MANIFEST}: field 'maps' = {submission.maps}: {suite} has {len(suite)} maps"
         )
-    return list(suite[: submission.maps])
+    items = suite[: submission.maps]
+    if submission.track == "C":
+        return steerable(items)
+    return list(items)
 
 
-def _score(agent: Agent, item: SuiteItem, budget: int, salt: int, seeds: int) -> tuple[list[float], float]:
-    """Return the mean gap of each seed on a map, and the share of runs that found a path."""
+def _runs(folder: Path, submission: Submission) -> Run:
+    """Return what runs a submission: fresh runs of what it recommends, or one that it steers."""
+    if submission.track == "C":
+        controller = PolicyController(folder / submission.files[0])
+        return lambda item, this: _steered(controller, this)
+    agent, budget = make_agent(str(folder)), submission.trials if submission.kind == "policy" else 0
     if isinstance(agent, TableAgent):
-        agent = agent.on(item.name)
-    gaps, solved = [], []
-    for seed in range(seeds):
-        this = problem(item, "verify", salt, seed)
-        plans = this.fresh(_recommended(agent, this, budget), FRESH)
-        gaps.append(float(this.gap(plans.lengths).mean()))
-        solved.append(float(np.isfinite(plans.lengths).mean()))
-    return gaps, float(np.mean(solved))
+        return lambda item, this: this.fresh(_recommended(agent.on(item.name), this, 0), FRESH).lengths
+    return lambda item, this: this.fresh(_recommended(agent, this, budget), FRESH).lengths
+
+
+def _score(run: Run, items: Sequence[SuiteItem], salt: int, seeds: int) -> Score:
+    gaps, solved = np.empty((len(items), seeds)), np.empty((len(items), seeds))
+    with progress("scoring again", gaps.size, after=PATIENCE) as advance:
+        for (i, item), seed in product(enumerate(items), range(seeds)):
+            this = problem(item, "verify", salt, seed)
+            lengths = run(item, this)
+            gaps[i, seed], solved[i, seed] = this.gap(lengths).mean(), np.isfinite(lengths).mean()
+            advance(1)
+    return Score(gaps, float(solved.mean()))
 
 
 def _recommended(agent: Agent, this: TuningProblem, budget: int) -> Floats:
@@ -111,6 +126,15 @@ def _recommended(agent: Agent, this: TuningProblem, budget: int) -> Floats:
         return tune(agent, Session(this, budget), seed=seed).recommendation
     agent.reset(this.task(0), seed=seed)
     return this.space.check(agent.recommend())[0]
+
+
+def _steered(controller: PolicyController, this: TuningProblem) -> Floats:
+    session = Session(this, 1)
+    trial = session.open(BLOCKS)
+    controller.reset(session.task, seed=derived_seed("verify", this.seed))
+    while not trial.over:
+        steer_together([(session, controller.act(observe_run(session.task, trial)))])
+    return np.array(session.lengths)
 
 
 def interval(gaps: Floats, claimed_seeds: int) -> tuple[float, float]:
