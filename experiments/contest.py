@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from copy import copy
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,14 @@ from agents.stranger import CALL_SECONDS, Stranger
 from agents.submission import TableAgent
 from antgym.errors import AgentError, LedgerError, ParameterError
 from antgym.maps.suites import SuiteItem
+from antgym.planners.plans import Plans
 from antgym.tuning.agent import Agent, Result, tune_together
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.problem import FRESH, GAP_CAP, Task, TuningProblem, run_together
 from antgym.tuning.session import Session
 from experiments import provenance
 from experiments.artefacts import derived_seed, problem, trained_argument
+from experiments.orders import ask
 
 Floats = NDArray[np.float64]
 STRANGER = "agents.stranger:Stranger"
@@ -55,12 +57,6 @@ class Job(NamedTuple):
     def problem(self) -> TuningProblem:
         """What is tuned; the same planner seeds for every entrant and budget."""
         return problem(self.item, "board", self.seed)
-
-    @property
-    def agent(self) -> Agent:
-        """The entrant's agent; a submitted table is told which map it is asked about, since no task says so."""
-        agent = self.entrant.agent
-        return agent.on(self.item.name) if isinstance(agent, TableAgent) else agent
 
     @property
     def agent_seed(self) -> int:
@@ -116,6 +112,11 @@ class Stopwatch:
             self.seconds = max(self.seconds, self._agent.cpu)
 
 
+def told(agent: Agent, item: SuiteItem) -> Agent:
+    """Return an agent; a submitted table is told which map it is asked about, since no task says so."""
+    return agent.on(item.name) if isinstance(agent, TableAgent) else agent
+
+
 def enter(
     names: Sequence[str],
     folder: Path,
@@ -169,6 +170,18 @@ def jobs(
                     yield Job(entrant, item, seed, budget)
 
 
+class Run(Protocol):
+    """What a contest is made of: something that a ledger keeps under a key."""
+
+    @property
+    def key(self) -> str:
+        """How the ledger calls it."""
+        ...
+
+
+_Run = TypeVar("_Run", bound=Run)
+
+
 def play(todo: Iterable[Job], ledger: Ledger, fresh: int, advance: Callable[[int], None]) -> None:
     """Play what is missing of a contest: each entrant tunes many maps in lock-step, then is judged on fresh runs.
 
@@ -178,24 +191,48 @@ def play(todo: Iterable[Job], ledger: Ledger, fresh: int, advance: Callable[[int
         fresh: uncharged runs that judge a recommendation.
         advance: called with the number of jobs that are done.
     """
-    missing = []
-    for job in todo:
+
+    def together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
+        _play_together(some, runs, fresh)
+
+    play_missing(todo, ledger, together, advance, alike=lambda job: (job.budget, job.entrant.name))
+
+
+def play_missing(
+    todo: Iterable[_Run],
+    ledger: Ledger,
+    together: Callable[[Sequence[_Run], Sequence[LedgerRun]], None],
+    advance: Callable[[int], None],
+    alike: Callable[[_Run], Any] = lambda _: None,
+) -> None:
+    """Play what a ledger lacks of some jobs, a number of them in lock-step.
+
+    Args:
+        todo: jobs, those that are alike next to each other.
+        ledger: where trials and outcomes go; what it holds is replayed.
+        together: plays jobs and finishes their runs.
+        advance: called with the number of jobs that are done.
+        alike: only jobs for which this is equal are played together.
+    """
+    missing, asked = [], list(todo)
+    ask(ledger.folder, [job.key for job in asked])
+    for job in asked:
         if ledger.run(job.key).outcome is None:
             missing.append(job)
         else:
             advance(1)
-    for _, group in groupby(missing, lambda job: (job.budget, job.entrant.name)):
-        alike = list(group)
-        for first in range(0, len(alike), TOGETHER):
-            some = alike[first : first + TOGETHER]
-            _play_together(some, [ledger.run(job.key) for job in some], fresh)
+    for _, group in groupby(missing, alike):
+        same = list(group)
+        for first in range(0, len(same), TOGETHER):
+            some = same[first : first + TOGETHER]
+            together(some, [ledger.run(job.key) for job in some])
             advance(len(some))
 
 
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -> None:
     begun = time.perf_counter()
     problems = [job.problem for job in some]
-    watches = [Stopwatch(job.agent) for job in some]
+    watches = [Stopwatch(told(job.entrant.agent, job.item)) for job in some]
     try:
         results = _tune(some, problems, watches, runs)
         tuning = time.perf_counter() - begun - sum(watch.seconds for watch in watches)
@@ -208,27 +245,40 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -
                 f"{run.key}: the ledger holds {len(run.records)} trials, now it stops at {len(result.trials)}"
             )
     begun = time.perf_counter()
-    outcomes = _judge(problems, [result.recommendation for result in results], watches, fresh)
+    judged = _judge(problems, [result.recommendation for result in results], watches, fresh)
     judging = (time.perf_counter() - begun) / len(some)
     work = np.array([sum(trial.work for trial in result.trials) for result in results])
     shares = work / max(1, work.sum())  # of the batches' wall time: single runs have none of their own
-    for i, (run, outcome) in enumerate(zip(runs, outcomes, strict=True)):
+    for i, (run, (outcome, plans)) in enumerate(zip(runs, judged, strict=True)):
+        if run.traced and plans is not None:
+            run.trace([plans[k].best for k in range(fresh)])
         run.finish(outcome)
         run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
 
 
 def _judge(
     problems: Sequence[TuningProblem], units: Sequence[Floats], watches: Sequence[Stopwatch], fresh: int
-) -> list[Outcome]:
-    """Run recommendations on fresh seeds; an agent that failed has none, and every run counts as one without a path."""
-    none = (np.inf,) * fresh, (GAP_CAP,) * fresh
+) -> list[tuple[Outcome, Plans | None]]:
+    """Run recommendations on fresh seeds; return outcomes, and the runs of those whose agents did not fail."""
     sound = [i for i, watch in enumerate(watches) if not watch.failure]
     requests = [(problems[i], np.repeat(units[i][None], fresh, axis=0), FRESH, 0) for i in sound]
-    outcomes = [Outcome(tuple(u.tolist()), *none, w.failure) for u, w in zip(units, watches, strict=True)]
-    for i, plans in zip(sound, run_together(requests), strict=True):
-        gaps = problems[i].gap(plans.lengths)
-        outcomes[i] = Outcome(outcomes[i].unit, tuple(plans.lengths.tolist()), tuple(gaps.tolist()))
-    return outcomes
+    ran = dict(zip(sound, run_together(requests), strict=True))
+    judged: list[tuple[Outcome, Plans | None]] = []
+    for i, (unit, watch) in enumerate(zip(units, watches, strict=True)):
+        plans = ran.get(i)
+        if plans is None:
+            judged.append((failed(len(unit), fresh, watch.failure), None))
+        else:
+            gaps = problems[i].gap(plans.lengths)
+            judged.append(
+                (Outcome(tuple(unit.tolist()), tuple(plans.lengths.tolist()), tuple(gaps.tolist())), plans)
+            )
+    return judged
+
+
+def failed(dimension: int, runs: int, failure: str) -> Outcome:
+    """Return how a run ends whose agent failed: as if no path were found, for a crash must not pay."""
+    return Outcome((DEFAULT,) * dimension, (np.inf,) * runs, (GAP_CAP,) * runs, failure)
 
 
 def _tune(

@@ -26,7 +26,7 @@ from antgym.tuning.ledger import Ledger, LedgerRun
 from experiments import provenance
 from experiments.artefacts import spent
 from experiments.contest import enter, jobs, play
-from experiments.statistics import Difference, cluster_interval, paired_difference, wilson_interval
+from experiments.statistics import Estimate, cluster_interval, paired_difference, wilson_interval
 from experiments.tables.sheet import new_figure, publish, table
 
 Floats = NDArray[np.float64]
@@ -195,7 +195,7 @@ def _section(arguments: Arguments, budget: int, outcomes: dict[Key, Outcome]) ->
     return f"## {budget} trials a target\n\n{table(HEADINGS, rows)}"
 
 
-def _signed(difference: Difference | None) -> tuple[str, str]:
+def _signed(difference: Estimate | None) -> tuple[str, str]:
     if difference is None:
         return "–", "–"
     return f"{100 * difference.mean:+.1f}", f"{100 * difference.low:+.1f} to {100 * difference.high:+.1f}"

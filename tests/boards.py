@@ -29,11 +29,12 @@ def board(*rows, **changes):
     """A board of these rows; scenario names follow from the first."""
     plain = {
         "title": "A board",
+        "track": "A",
         "command": "antgym bench",
         "budget": 20,
         "seeds": 2,
         "manifest": {},
-        "picture": None,
+        "pictures": (),
     }
     names = tuple(f"map-{i}" for i in range(len(rows[0].gaps)))
     return Board(rows=tuple(rows), **{"scenarios": names, **plain, **changes})
@@ -79,7 +80,7 @@ def fake_board(**changes):
             "host": {"cpu": "AMD EPYC 7B13", "threads": 2},
             "suite": "mountains-v1/test 9c31f0a2",
         },
-        "picture": mountain(rng),
+        "pictures": (mountain(rng),),
     }
     return board(*rows, **{**plain, **changes})
 

@@ -57,14 +57,14 @@ def _page(board: Board) -> str:
         rows="\n".join(marks.ranking_row(board, row) for row in board.ranked),
         intervals=marks.intervals(board),
         heat=marks.heat(board),
-        picture=_picture(board, board.picture) if board.picture else "",
+        picture="".join(_picture(board, picture) for picture in board.pictures[:1]),
         meanings="\n".join(_definition(column.heading, column.meaning) for column in COLUMNS),
         agents="\n".join(_who(row) for row in board.ranked),
         command=escape(board.command),
         versions="\n".join(_definition(name, value) for name, value in _flat(versions)),
         manifest=_details("The rest of the manifest", rest) if rest else "",
         sorting=_asset("sorting.js"),
-        drawing=_drawing(board, board.picture) if board.picture else "",
+        drawing="".join(_drawing(board, picture) for picture in board.pictures[:1]),
     )
 
 

@@ -6,18 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from experiments.statistics import cluster_interval, paired_difference, wilson_interval
+from experiments.statistics import Estimate, cluster_interval, paired_difference, wilson_interval
 from experiments.tables.comparison import CAP, Comparison, Outcome, Result, Values
 
 Marks = NDArray[np.bool_]
-
-
-class Estimate(NamedTuple):
-    """A mean over maps and its 95 % interval."""
-
-    mean: float
-    low: float
-    high: float
 
 
 class Claim(NamedTuple):
@@ -132,7 +124,7 @@ def changes(result: Result) -> dict[str, dict[str, Estimate]]:
     pairs = {"without": result.improved, "alone": result.basic}
     return {
         field: {
-            how: Estimate(*paired_difference(result.outcomes[f"{how} {field}"].final, reference.final))
+            how: paired_difference(result.outcomes[f"{how} {field}"].final, reference.final)
             for how, reference in pairs.items()
         }
         for field in result.comparison.ideas

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from antgym.planners.rules import PAPERS
-from experiments.statistics import mean_band, wilson_interval
+from experiments.statistics import Estimate, anytime, wilson_interval
 from experiments.tables.comparison import (
     CAP,
     Comparison,
@@ -16,7 +16,7 @@ from experiments.tables.comparison import (
     Result,
     compare,
 )
-from experiments.tables.findings import Claim, Estimate, Findings, estimate, find, numbers
+from experiments.tables.findings import Claim, Findings, estimate, find, numbers
 from experiments.tables.sheet import new_figure, publish, table
 
 HOW = {"without": "improved colony without it", "alone": "basic colony with it alone"}
@@ -160,5 +160,6 @@ def to_figure(result: Result, findings: Findings) -> Any:
 def _draw_curve(axes: Any, outcome: Outcome, name: str) -> None:
     curves = 1 + outcome.curves
     iterations = np.arange(1, curves.shape[1] + 1)
-    axes.plot(iterations, curves.mean(axis=0), label=name)
-    axes.fill_between(iterations, *mean_band(curves), alpha=0.25)
+    mean, low, high = anytime(curves[:, None])
+    axes.plot(iterations, mean, label=name)
+    axes.fill_between(iterations, low, high, alpha=0.25)

@@ -14,7 +14,7 @@ from pathlib import Path
 from antgym.maps.world import Scenario
 from experiments.statistics import paired_difference
 from experiments.tables.comparison import Comparison, Options, Result
-from experiments.tables.findings import Claim, Estimate, judge, tally
+from experiments.tables.findings import Claim, judge, tally
 from experiments.tables.report import percent
 from experiments.tables.report import replay as replay_comparison
 
@@ -66,7 +66,7 @@ def replay(arguments: Options) -> Path:
 def claims(result: Result) -> list[Claim]:
     """Judge the iterations, and the saw-teeth: whether the mean length of an iteration rises more often."""
     sooner = tally(result.improved, result.basic).sooner
-    change = Estimate(*paired_difference(result.improved.rising, result.basic.rising))
+    change = paired_difference(result.improved.rising, result.basic.rising)
     figures = (
         f"The share of iterations whose mean length rises changes by {percent(change, sign='+')} points."
     )

@@ -7,8 +7,9 @@ Its figure shows one world: the improved colony is below 30 from its first itera
 from dataclasses import dataclass
 from pathlib import Path
 
+from experiments.statistics import Estimate
 from experiments.tables.comparison import Comparison, Options, Result
-from experiments.tables.findings import Claim, Estimate, first_lengths, length_ratio
+from experiments.tables.findings import Claim, first_lengths, length_ratio
 from experiments.tables.report import replay as replay_comparison
 
 PAPER_START = 35 / 30

@@ -32,7 +32,8 @@ window.alert = note;
 </script>"""
 PROBE = """<script>addEventListener("load", () => {
   const order = () => [...document.querySelectorAll(".ranking tbody th")].map((cell) => cell.dataset.value);
-  const [, agent, gap, , , , , , optimism] = document.querySelectorAll(".ranking thead button");
+  const buttons = [...document.querySelectorAll(".ranking thead button")];
+  const [, agent, gap] = buttons, optimism = buttons.at(-1);
   const after = (button) => { button.click(); return order(); };
   const shown = () => document.getElementById("scene")._fullData.slice(1).map((trace) => trace.visible);
   const seen = { start: order(), gap: after(gap), name: after(agent), optimism: after(optimism) };
@@ -96,7 +97,7 @@ def hostile_board():
         "scenarios": (HOSTILE, "b"),
         "manifest": {"versions": {HOSTILE: HOSTILE}, HOSTILE: {"a": HOSTILE}},
     }
-    return board(*rows, picture=picture, **texts)
+    return board(*rows, pictures=(picture,), **texts)
 
 
 def test_page_says_what_it_is_and_holds_every_row_map_and_column(page):
@@ -145,7 +146,7 @@ def test_hostile_texts_are_escaped(tmp_path):
 
 def test_a_page_without_a_picture_needs_no_plotly(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
-    assert "Plotly" not in written(fake_board(picture=None), tmp_path)
+    assert "Plotly" not in written(fake_board(pictures=()), tmp_path)
     with pytest.raises(MissingExtraError, match=r"antgym\[viz\]"):
         write_page(fake_board(), tmp_path / "other.html")
     assert [path.name for path in tmp_path.iterdir()] == ["index.html"]
@@ -167,11 +168,12 @@ def test_a_failed_write_leaves_the_old_page_and_nothing_else(tmp_path, monkeypat
 
 def test_picture_draws_every_path_in_world_units_and_the_exact_one_dashed():
     shown = fake_board()
-    names, lines = drawn(shown, shown.picture), figure(shown, shown.picture)["lines"]
+    (picture,) = shown.pictures
+    names, lines = drawn(shown, picture), figure(shown, picture)["lines"]
     assert names[0] == EXACT
     assert set(names) == {EXACT, *AGENTS}
     assert [line["line"]["dash"] for line in lines[:2]] == ["dash", "solid"]
-    assert lines[0]["x"] == ((shown.picture.paths[EXACT][:, 0] + 0.5) * 15).tolist()
+    assert lines[0]["x"] == ((picture.paths[EXACT][:, 0] + 0.5) * 15).tolist()
 
 
 def ground(free, heights=None):

@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,93 +13,119 @@ import tyro
 pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
-from agents.static import StaticSetting
 from antgym.errors import LedgerError, ParameterError
-from antgym.planners.parameters import ColonyParameters
-from antgym.tuning.ledger import TRIALS
-from experiments.contest import enter
+from antgym.tuning.ledger import TRIALS, Ledger
+from experiments.artefacts import prepare
+from experiments.contest import enter, foreign_files
 from experiments.leaderboard import Arguments, run_board
 from experiments.presets import PRESETS, Preset
+from experiments.tracks import ALWAYS
 
 ROOT = Path(__file__).parents[2]
 ZOO = ROOT / "tests" / "agents" / "zoo.py"
 EXAMPLE = ROOT / "docs" / "example-submission"
-TINY = Preset(2, 1, 5, 2, 0, 3, 1, 1, 1, 1, 1)
+TINY = Preset(2, 1, 5, 2, 0, 3, 1, 2, 2, 8, 32)
 
 
-@pytest.fixture
-def board(monkeypatch, tmp_path):
-    """A function that runs a tiny board and returns its folder."""
-    monkeypatch.setitem(PRESETS, "smoke", TINY)
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory):
+    """What the references of every board need, as small as it comes."""
+    folder = tmp_path_factory.mktemp("trained")
+    prepare(folder, "mountain-v0", TINY, ALWAYS)
+    return folder
 
-    def run(name, *names):
-        folder = tmp_path / name
-        if not folder.exists():
-            (folder / "trained").mkdir(parents=True)
-            setting = StaticSetting((0.6, 0.2, 0.6, 0.6), 7, ColonyParameters._fields)
-            setting.save(folder / "trained" / "static.json")
-        run_board(Arguments("smoke", folder, names, suite="mountain-v0", split="test", call_seconds=0.3))
-        return folder
 
-    return run
+def play(folder, trained, *names, **others):
+    """Run a tiny board in a folder and return the folder."""
+    shutil.copytree(trained, folder / "trained")
+    asked = {"suite": "mountain-v0", "split": "test", "budgets": (5,), "call_seconds": 0.5, **others}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(PRESETS, "smoke", TINY)
+        run_board(Arguments("smoke", folder, names, **asked))
+    return folder
 
 
 def records(folder):
     return [json.loads(line) for line in (folder / TRIALS).read_text().splitlines()]
 
 
-BAD = {"HangsAwake": "hung: no answer within 0.3 s", "AnswersNaN": "alpha = nan", "Dies": "exit status 3"}
+BAD = {"HangsAwake": "hung: no answer within 0.5 s", "AnswersNaN": "alpha = nan", "Dies": "exit status 3"}
+SOUND = ("sobol", f"{ZOO}:Honest", f"{ZOO}:Overspends")
 
 
-def test_a_board_goes_on_without_those_who_fail(board):
-    sound = ("random_search", f"{ZOO}:Honest", str(EXAMPLE))
-    alone = records(board("alone", *sound))
-    folder = board("together", *sound, *(f"{ZOO}:{kind}" for kind in BAD))
-    together = records(folder)
-    assert [line for line in together if "failure" not in line and "zoo.py" not in line["run"]] == [
-        line for line in alone if "zoo.py" not in line["run"]
-    ]
-    failed = [line for line in together if "failure" in line]
+@pytest.fixture(scope="module")
+def sly(tmp_path_factory):
+    """A submission whose names are meant for a browser to run."""
+    folder = tmp_path_factory.mktemp("sly")
+    shutil.copy(EXAMPLE / "table.json", folder)
+    manifest = json.loads((EXAMPLE / "submission.json").read_text())
+    manifest |= {"name": "<script>alert(1)</script>", "summary": '"><img src=x onerror=alert(1)>'}
+    (folder / "submission.json").write_text(json.dumps(manifest))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def together(tmp_path_factory, trained, sly):
+    """A board of sound agents and bad ones."""
+    bad = [f"{ZOO}:{kind}" for kind in BAD]
+    return play(tmp_path_factory.mktemp("board") / "together", trained, *SOUND, str(sly), *bad)
+
+
+def test_those_who_fail_are_named_and_count_as_without_a_path(together):
+    failed = [line for line in records(together) if "failure" in line]
     assert len(failed) == len(BAD) * TINY.scenarios * TINY.seeds
     for line in failed:
         assert BAD[line["run"].partition("zoo.py:")[2].partition("/")[0]] in line["failure"]
         assert (line["gaps"], line["lengths"], line["unit"]) == ([1.0] * 2, [None] * 2, [0.5] * 4)
-    page, table = (folder / "index.html").read_text(), (folder / "board.md").read_text()
-    assert all(name in table for name in sound)
-    assert page.count("2 failed, each counts as no path: zoo.py:") >= len(BAD)
+    page = (together / "index.html").read_text()
+    assert all(f"2 failed, each counts as no path: zoo.py:{kind}" in page for kind in BAD)
 
 
-def test_nobody_is_charged_for_more_than_the_budget(board):
-    folder = board("greedy", f"{ZOO}:Overspends")
-    trials = [line for line in records(folder) if line["kind"] == "trial"]
+def test_a_board_goes_on_as_if_those_who_fail_were_not_there(together, trained, tmp_path):
+    alone = play(tmp_path / "alone", trained, *SOUND)
+    runs = {line["run"] for line in records(alone)}
+    assert [line for line in records(together) if line["run"] in runs] == records(alone)
+    assert all(name in (together / "board.md").read_text() for name in SOUND)
+
+
+def test_nobody_is_charged_for_more_than_the_budget(together):
+    trials = [line for line in records(together) if line["kind"] == "trial" and "Overspends" in line["run"]]
     assert len(trials) == TINY.budget * TINY.scenarios
 
 
-def test_a_file_that_changed_needs_another_folder(board, tmp_path):
-    mine = tmp_path / "mine.py"
-    mine.write_text(ZOO.read_text())
-    folder = board("changed", f"{mine}:Honest")
-    before = (folder / TRIALS).read_bytes()
-    assert (board("changed", f"{mine}:Honest") / TRIALS).read_bytes() == before
-    mine.write_text(ZOO.read_text() + "\n")
-    with pytest.raises(LedgerError, match=r"mine.py:Honest \(mine.py\) is not the file"):
-        board("changed", f"{mine}:Honest")
-
-
-def test_script_in_the_names_of_a_submission_is_text_on_the_page(board, tmp_path):
-    folder = tmp_path / "sly"
-    folder.mkdir()
-    (folder / "table.json").write_text((EXAMPLE / "table.json").read_text())
-    manifest = json.loads((EXAMPLE / "submission.json").read_text())
-    manifest |= {"name": "<script>alert(1)</script>", "summary": '"><img src=x onerror=alert(1)>'}
-    (folder / "submission.json").write_text(json.dumps(manifest))
-    page = (board("page", str(folder)) / "index.html").read_text()
+def test_script_in_the_names_of_a_submission_is_text_on_the_page(together):
+    page = (together / "index.html").read_text()
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
     assert "<script>alert" not in page
     assert "<img src=x" not in page
 
 
-def test_a_submissions_trials_stand_in_the_table(board, tmp_path):
+def test_a_file_that_changed_needs_another_folder(tmp_path):
+    mine = tmp_path / "mine.py"
+    mine.write_text(ZOO.read_text())
+    name = f"{mine}:Honest"
+    with Ledger(tmp_path / "ledger", {}, {}) as ledger:
+        ledger.pin(foreign_files([name, str(EXAMPLE)]))
+        ledger.pin(foreign_files([name, str(EXAMPLE)]))
+        mine.write_text(ZOO.read_text() + "\n")
+        with pytest.raises(LedgerError, match=r"mine.py:Honest \(mine.py\) is not the file"):
+            ledger.pin(foreign_files([name]))
+
+
+def test_strangers_and_submissions_play_where_settings_stay_within_a_run(trained, tmp_path):
+    """Track C takes what agents recommend without a trial; who fails is no reason for the others to stop."""
+    names = (f"{ZOO}:Honest", f"{ZOO}:AnswersNaN", str(EXAMPLE))
+    folder = play(tmp_path / "within", trained, *names, track=("C",), budgets=())
+    ended = {
+        line["run"].split("/mountain-v0")[0]: line for line in records(folder) if line["kind"] == "outcome"
+    }
+    assert "alpha = nan" in ended[names[1]]["failure"]
+    assert (ended[names[1]]["gaps"], ended[names[1]]["unit"]) == ([1.0], [0.5] * 4)
+    assert ended[names[2]]["unit"][:4] == [0.047, 0.087, 0.613, 0.773]
+    assert "failure" not in ended[names[0]]
+
+
+def test_a_submissions_trials_stand_in_the_table(tmp_path):
     (entrant,) = enter([str(EXAMPLE)], tmp_path, {})
     assert (entrant.training, entrant.kind) == (512, "agent")
 

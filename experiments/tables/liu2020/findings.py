@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.statistics import paired_difference
-from experiments.tables.findings import Estimate, estimate
+from experiments.statistics import Estimate, paired_difference
+from experiments.tables.findings import estimate
 from experiments.tables.liu2020.draw import Answer, Draw
 from experiments.tables.liu2020.methods import COPY, METHODS, TRANSFER, Method
 from experiments.tables.report import percent
@@ -115,7 +115,7 @@ def _stand(method: Method, draws: Sequence[Draw]) -> Standing:
 
 
 def _difference(method: Method, draws: Sequence[Draw]) -> Estimate:
-    return Estimate(*paired_difference(gaps(method, draws), gaps(TRANSFER, draws)))
+    return paired_difference(gaps(method, draws), gaps(TRANSFER, draws))
 
 
 def _shorter(rival: Method, draws: Sequence[Draw]) -> Claim:

@@ -113,7 +113,7 @@ def _over_all(draws: Sequence[Draw], findings: Findings) -> list[str]:
     return [
         table_4(findings.standings),
         "In brackets 95 % intervals over draws: of shares Wilson's, of means by bootstrap, of differences by draw; "
-        "over so few draws the bootstrap's are somewhat narrow (`experiments/statistics.py`). The best static setting "
+        "over so few draws the bootstrap's are somewhat narrow (`experiments/statistics`). The best static setting "
         f"was raced once for all draws, on train maps of `{SUITE}` under the sound rules.",
         f"Negative transfer, draws on which transfer is worse than copying the best source: {worse}.",
         "(14) as printed came with a warning, a parameter out of its range or worse sources weighing more, on "

@@ -10,9 +10,9 @@ from antgym.console import progress
 from antgym.errors import ParameterError
 from antgym.maps.discs import DiscScenario
 from experiments.artefacts import derived_seed
-from experiments.statistics import paired_difference
+from experiments.statistics import Estimate, paired_difference
 from experiments.tables.draws import draw
-from experiments.tables.findings import Claim, Estimate, estimate
+from experiments.tables.findings import Claim, estimate
 from experiments.tables.report import percent
 from experiments.tables.sheet import new_figure, publish, table
 from experiments.tables.wu2018.hives import BEES, CYCLES, SEEDS, Outcome, fly, hives
@@ -88,7 +88,7 @@ def _flown(scenarios: list[DiscScenario], seed: int) -> dict[str, Outcome]:
 def _judge(measure: Measure, outcomes: dict[str, Outcome], pair: tuple[str, str]) -> Claim:
     """Return whether a claim holds: the whole interval of the difference, paired by world, lies below 0."""
     ours, theirs = (getattr(outcomes[name], measure.field) for name in pair)
-    difference = Estimate(*paired_difference(ours, theirs))
+    difference = paired_difference(ours, theirs)
     shown = (
         percent(difference, "+") + " points"
         if not measure.unit
