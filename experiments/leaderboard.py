@@ -86,7 +86,7 @@ class Plan(NamedTuple):
     """What a board asks for, known before anything is trained or run.
 
     Attributes:
-        config: of its ledger, which is refused by any other.
+        config: of its ledger, which is refused by any other; tracks, budgets and controllers may join later.
         versions: of what its agents depend on.
         items: the maps.
         preset: how much of everything.
@@ -100,10 +100,9 @@ class Plan(NamedTuple):
 
 def plan_board(arguments: Arguments) -> Plan:
     """Return what a board asks for; ParameterError on agents, suites, splits or budgets that there are not."""
-    preset = PRESETS[arguments.preset]
     _check(arguments)
-    maps = preset.scenarios if arguments.maps is None else arguments.maps
-    items = find_items(arguments.suite, arguments.split)[:maps]
+    preset = PRESETS[arguments.preset]
+    items = _items(arguments, preset)
     config = {
         "code": provenance.code_hash(),
         "preset": arguments.preset,
@@ -112,9 +111,6 @@ def plan_board(arguments: Arguments) -> Plan:
         "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
-        "tracks": _tracks(arguments),
-        "budgets": {track: list(_budgets(track, arguments)) for track in _tracks(arguments)},
-        "controllers": list(arguments.controllers),
     }
     names = [*arguments.agents, *_references(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)
@@ -130,8 +126,23 @@ def _check(arguments: Arguments) -> None:
         raise ParameterError(f"--maps {arguments.maps}: needs at least one")
     if arguments.split == "train":
         raise ParameterError("--split train: agents learn from these maps; judge on validation, test or ood")
+    for track in arguments.track:
+        _budgets(track, arguments)
     if arguments.controllers and "C" not in arguments.track:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
+
+
+def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
+    """Return the maps of a board, under rules that agents can learn of."""
+    maps = preset.scenarios if arguments.maps is None else arguments.maps
+    items = find_items(arguments.suite, arguments.split)[:maps]
+    lacking = {item.rules for item in items} - set(find_items(arguments.suite, "train").rules)
+    if lacking:
+        raise ParameterError(
+            f"--suite {arguments.suite}: no map of its train split is planned by the rules "
+            f"{', '.join(sorted(lacking))}, which {arguments.split} has; name rules in suite.toml, or add a map"
+        )
+    return items
 
 
 def _tracks(arguments: Arguments) -> list[Track]:
