@@ -25,7 +25,7 @@ from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
 from experiments.artefacts import prepare
 from experiments.board import Track
-from experiments.contest import enter, foreign_files
+from experiments.contest import Entrant, enter, foreign_files
 from experiments.control import policy_hashes, steerable
 from experiments.presets import PRESETS, Preset
 from experiments.tracks import ALWAYS, Job, Round
@@ -112,7 +112,7 @@ def plan_board(arguments: Arguments) -> Plan:
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
     }
-    names = [*arguments.agents, *_references(arguments), *(["rl"] if arguments.controllers else [])]
+    names = [*names_of(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)
 
 
@@ -157,11 +157,29 @@ def _references(arguments: Arguments) -> tuple[str, ...]:
     return tuple(name for name in ALWAYS if name not in arguments.agents)
 
 
+def names_of(arguments: Arguments) -> tuple[str, ...]:
+    """Return who plays: the agents that are asked for, then references."""
+    return *arguments.agents, *_references(arguments)
+
+
 def enter_board(arguments: Arguments, plan: Plan) -> list[Round]:
     """Return the rounds of a board, track by track, their entrants trained now where they are not yet."""
     trained, references = arguments.out / TRAINED, _references(arguments)
-    spent = prepare(trained, arguments.suite, plan.preset, (*arguments.agents, *references))
+    spent = prepare(trained, arguments.suite, plan.preset, names_of(arguments))
     entrants = enter(arguments.agents, trained, spent, references, arguments.call_seconds)
+    return board_rounds(arguments, plan, entrants)
+
+
+def untrained_board(arguments: Arguments, plan: Plan) -> list[Round]:
+    """Return the rounds of a board with an agent that needs nothing in the place of every other, to count its runs."""
+    nobody = agents.make("published_default")
+    return board_rounds(
+        arguments, plan, [Entrant(name, "agent", "", nobody, 0) for name in names_of(arguments)]
+    )
+
+
+def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) -> list[Round]:
+    """Return the rounds that entrants play, track by track."""
     rounds = []
     for track in _tracks(arguments):
         for budget in _budgets(track, arguments):
