@@ -21,7 +21,7 @@ from antgym.errors import AgentError, ParameterError, nearest
 from antgym.tuning import Task, Trial
 
 Floats = NDArray[np.float64]
-CALL_SECONDS = 60.0  # of one call
+CALL_SECONDS = 30.0  # of one call
 MEMORY = 4 << 30  # bytes
 _SAID = 300  # characters of what a stranger says
 
@@ -54,6 +54,11 @@ class Stranger:
 
     def __del__(self) -> None:
         self.close()
+
+    @property
+    def name(self) -> str:
+        """File and class, as messages name it."""
+        return f"{self.file.name}:{self.kind}"
 
     def reset(self, task: Task, *, seed: int) -> None:
         """Begin a process, load the file in it, and hand over the task."""
@@ -123,7 +128,7 @@ class Stranger:
 
     def _fail(self, call: str, what: str) -> NoReturn:
         self.close()
-        raise AgentError(f"{self.file.name}:{self.kind}: {call}() {harmless(what)}")
+        raise AgentError(f"{self.name}: {call}() {harmless(what)}")
 
 
 def harmless(text: str) -> str:

@@ -19,13 +19,16 @@ from antgym.planners.plans import Plans
 from antgym.tuning.agent import Agent, Result, tune_together
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.problem import FRESH, GAP_CAP, Task, TuningProblem, run_together
-from antgym.tuning.session import Session
+from antgym.tuning.session import Record, Session
 from experiments import provenance
 from experiments.artefacts import derived_seed, problem, trained_argument
 from experiments.orders import ask
 
 Floats = NDArray[np.float64]
 STRANGER = "agents.stranger:Stranger"
+UNLIKE = (
+    "answered otherwise than before the board was stopped: its draws have to follow from reset's seed alone"
+)
 DEFAULT = 0.5  # of every parameter: the published one
 TOGETHER = 64  # runs in lock-step: a round of them is one planner call
 
@@ -68,10 +71,14 @@ class Stopwatch:
     """A copy of an agent, the seconds spent inside it, and how it failed, if it is a stranger's and did.
 
     An agent that failed asks for nothing more, and stands with the published default, which is not its own answer.
+
+    Args:
+        agent: is copied: what training left is shared, what a task brings is not.
+        kept: what the ledger holds of its trials from before the board was stopped.
     """
 
-    def __init__(self, agent: Agent) -> None:
-        self._agent = copy(agent)  # what training left is shared, what a task brings is not
+    def __init__(self, agent: Agent, kept: Sequence[Record]) -> None:
+        self._agent, self._kept, self._told = copy(agent), kept, 0
         self.seconds = 0.0
         self.failure = ""
 
@@ -93,11 +100,18 @@ class Stopwatch:
         self._timed("reset", task, seed=seed)
 
     def ask(self) -> Any:
-        """Pass on."""
-        return self._timed("ask")
+        """Pass on; a stranger that asks for something else than before the board was stopped has failed."""
+        units = self._timed("ask")
+        if isinstance(self._agent, Stranger) and not self.failure:
+            before = [list(record.trial.unit) for record in self._kept[self._told : self._told + len(units)]]
+            if before != units[: len(before)].tolist():
+                self.failure = f"{self._agent.name}: ask() {UNLIKE}"
+                return self._nothing
+        return units
 
     def tell(self, trials: Any) -> None:
         """Pass on."""
+        self._told += len(trials)
         self._timed("tell", trials)
 
     def recommend(self) -> Any:
@@ -153,10 +167,11 @@ def foreign_files(names: Sequence[str]) -> dict[str, str]:
     return {f"{card.name} ({path.name})": provenance.file_hash(path) for card in cards for path in card.files}
 
 
-def failures(outcomes: Iterable[Outcome]) -> str:
-    """Return the clause that says how many runs of an agent failed, and how the first did; empty where none did."""
+def failures(outcomes: Sequence[Outcome]) -> str:
+    """Return how many runs of an agent failed and how the first did; empty where none did."""
     said = [outcome.failure for outcome in outcomes if outcome.failure]
-    return f"; {len(said)} failed, each counts as no path: {said[0]}" if said else ""
+    count = f"{len(said)} of {len(outcomes)} runs failed and count as if they had found no path"
+    return f"{count}, the first because {said[0]}" if said else ""
 
 
 def jobs(
@@ -232,7 +247,9 @@ def play_missing(
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -> None:
     begun = time.perf_counter()
     problems = [job.problem for job in some]
-    watches = [Stopwatch(told(job.entrant.agent, job.item)) for job in some]
+    watches = [
+        Stopwatch(told(job.entrant.agent, job.item), run.records) for job, run in zip(some, runs, strict=True)
+    ]
     try:
         results = _tune(some, problems, watches, runs)
         tuning = time.perf_counter() - begun - sum(watch.seconds for watch in watches)

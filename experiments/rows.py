@@ -30,11 +30,11 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
     outcomes = [run.outcome for run in runs if run.outcome is not None]
     assert len(outcomes) == len(runs), f"{entrant.name} is not finished"
     gaps = np.array([np.mean(outcome.gaps) for outcome in outcomes]).reshape(len(played.items), -1)
-    spent = [clocks.get(run.key, {}) for run in runs]
+    spent, failure = [clocks.get(run.key, {}) for run in runs], failures(outcomes)
     return Row(
         name=entrant.name,
         kind=entrant.kind,
-        summary=entrant.summary + failures(outcomes),
+        summary=f"{entrant.summary}; {failure}" if failure else entrant.summary,
         gaps=tuple(tuple(row) for row in gaps.tolist()),
         success=float(np.mean([np.isfinite(outcome.lengths).mean() for outcome in outcomes])),
         deploy=float(np.mean([len(run.records) for run in runs])),
@@ -43,6 +43,7 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
         planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in spent])),
         optimism=None if played.track == "C" else _optimism(jobs, runs),
         card=_card(entrant),
+        failure=failure,
     )
 
 

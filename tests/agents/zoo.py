@@ -25,6 +25,13 @@ class Honest:
         return np.array(incumbent(self.seen)[0]) if self.seen else np.full(len(self.task.space), 0.5)
 
 
+class Whimsical(Honest):
+    """Draws from nowhere."""
+
+    def ask(self):
+        return np.random.default_rng().random((3, len(self.task.space)))
+
+
 class Overspends(Honest):
     def ask(self):
         return self.rng.random((1000, len(self.task.space)))

@@ -4,6 +4,7 @@ import json
 import re
 import shlex
 import shutil
+from copy import copy
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,11 @@ pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
 from antgym.errors import LedgerError, ParameterError
+from antgym.maps.suites import load_suite
+from antgym.tuning import Session
 from antgym.tuning.ledger import TRIALS, Ledger
 from experiments.artefacts import prepare
-from experiments.contest import enter, foreign_files
+from experiments.contest import enter, foreign_files, jobs, play
 from experiments.leaderboard import Arguments, run_board
 from experiments.presets import PRESETS, Preset
 from experiments.tracks import ALWAYS
@@ -35,7 +38,7 @@ def trained(tmp_path_factory):
     return folder
 
 
-def play(folder, trained, *names, **others):
+def run_tiny(folder, trained, *names, **others):
     """Run a tiny board in a folder and return the folder."""
     shutil.copytree(trained, folder / "trained")
     asked = {"suite": "mountain-v0", "split": "test", "budgets": (5,), "call_seconds": 0.5, **others}
@@ -68,7 +71,7 @@ def sly(tmp_path_factory):
 def together(tmp_path_factory, trained, sly):
     """A board of sound agents and bad ones."""
     bad = [f"{ZOO}:{kind}" for kind in BAD]
-    return play(tmp_path_factory.mktemp("board") / "together", trained, *SOUND, str(sly), *bad)
+    return run_tiny(tmp_path_factory.mktemp("board") / "together", trained, *SOUND, str(sly), *bad)
 
 
 def test_those_who_fail_are_named_and_count_as_without_a_path(together):
@@ -77,15 +80,32 @@ def test_those_who_fail_are_named_and_count_as_without_a_path(together):
     for line in failed:
         assert BAD[line["run"].partition("zoo.py:")[2].partition("/")[0]] in line["failure"]
         assert (line["gaps"], line["lengths"], line["unit"]) == ([1.0] * 2, [None] * 2, [0.5] * 4)
-    page = (together / "index.html").read_text()
-    assert all(f"2 failed, each counts as no path: zoo.py:{kind}" in page for kind in BAD)
+    for face in ("index.html", "board.md"):
+        text = (together / face).read_text()
+        said = "2 of 2 runs failed and count as if they had found no path, the first because zoo.py"
+        assert all(f"{said}:{kind}" in text for kind in BAD)
 
 
 def test_a_board_goes_on_as_if_those_who_fail_were_not_there(together, trained, tmp_path):
-    alone = play(tmp_path / "alone", trained, *SOUND)
+    alone = run_tiny(tmp_path / "alone", trained, *SOUND)
     runs = {line["run"] for line in records(alone)}
     assert [line for line in records(together) if line["run"] in runs] == records(alone)
     assert all(name in (together / "board.md").read_text() for name in SOUND)
+
+
+def test_a_board_that_goes_on_ends_the_runs_of_who_answers_otherwise(tmp_path):
+    item = load_suite("mountain-v0", "test")[0]
+    playing = enter([f"{ZOO}:Whimsical", f"{ZOO}:Honest"], tmp_path, {})
+    todo = list(jobs(playing, [item], 1, [5]))
+    with Ledger(tmp_path / "ledger", {}, {}) as ledger:
+        for job in todo:  # as if it had been stopped after a batch
+            agent, session = copy(job.entrant.agent), Session(job.problem, 5, ledger.run(job.key))
+            agent.reset(session.task, seed=job.agent_seed)
+            session.evaluate(agent.ask())
+        play(todo, ledger, 2, lambda _: None)
+        whimsical, honest = (ledger.run(job.key) for job in todo)
+    assert "zoo.py:Whimsical: ask() answered otherwise than before" in whimsical.outcome.failure
+    assert (len(whimsical.records), len(honest.records), honest.outcome.failure) == (3, 5, "")
 
 
 def test_nobody_is_charged_for_more_than_the_budget(together):
@@ -115,7 +135,7 @@ def test_a_file_that_changed_needs_another_folder(tmp_path):
 def test_strangers_and_submissions_play_where_settings_stay_within_a_run(trained, tmp_path):
     """Track C takes what agents recommend without a trial; who fails is no reason for the others to stop."""
     names = (f"{ZOO}:Honest", f"{ZOO}:AnswersNaN", str(EXAMPLE))
-    folder = play(tmp_path / "within", trained, *names, track=("C",), budgets=())
+    folder = run_tiny(tmp_path / "within", trained, *names, track=("C",), budgets=())
     ended = {
         line["run"].split("/mountain-v0")[0]: line for line in records(folder) if line["kind"] == "outcome"
     }
