@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import agents
+from agents.stranger import CALL_SECONDS
 from antgym.console import main, parse, progress
 from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
@@ -24,7 +25,7 @@ from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
 from experiments.artefacts import prepare
 from experiments.board import Track
-from experiments.contest import Entrant, enter
+from experiments.contest import Entrant, enter, foreign_files
 from experiments.control import policy_hashes, steerable
 from experiments.presets import PRESETS, Preset
 from experiments.tracks import ALWAYS, Job, Round
@@ -63,7 +64,8 @@ class Arguments:
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue of agents; some references are there with any."""
+    """Names in the catalogue, path/to/file.py:ClassName of your own, folders of submissions; some references are there
+    with any."""
     suite: str = "mountain-v0"
     """Suite of the maps, or a folder of them; trained agents learn from its train split."""
     split: str = "ood"
@@ -76,13 +78,15 @@ class Arguments:
     """The first so many maps of the split; by default the preset's number."""
     controllers: tuple[str, ...] = ()
     """Files of published policies that take part in C beside the agents."""
+    call_seconds: float = CALL_SECONDS
+    """Seconds that an agent of your own may take for one call; then its run has failed, and the board goes on."""
 
 
 class Plan(NamedTuple):
     """What a board asks for, known before anything is trained or run.
 
     Attributes:
-        config: of its ledger, which is refused by any other.
+        config: of its ledger, which is refused by any other; tracks, budgets and controllers may join later.
         versions: of what its agents depend on.
         items: the maps.
         preset: how much of everything.
@@ -96,8 +100,8 @@ class Plan(NamedTuple):
 
 def plan_board(arguments: Arguments) -> Plan:
     """Return what a board asks for; ParameterError on agents, suites, splits or budgets that there are not."""
-    preset = PRESETS[arguments.preset]
     _check(arguments)
+    preset = PRESETS[arguments.preset]
     items = _items(arguments, preset)
     config = {
         "code": provenance.code_hash(),
@@ -107,9 +111,6 @@ def plan_board(arguments: Arguments) -> Plan:
         "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
-        "tracks": _tracks(arguments),
-        "budgets": {track: list(_budgets(track, arguments)) for track in _tracks(arguments)},
-        "controllers": list(arguments.controllers),
     }
     names = [*names_of(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)
@@ -125,6 +126,8 @@ def _check(arguments: Arguments) -> None:
         raise ParameterError(f"--maps {arguments.maps}: needs at least one")
     if arguments.split == "train":
         raise ParameterError("--split train: agents learn from these maps; judge on validation, test or ood")
+    for track in arguments.track:
+        _budgets(track, arguments)
     if arguments.controllers and "C" not in arguments.track:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
 
@@ -163,7 +166,8 @@ def enter_board(arguments: Arguments, plan: Plan) -> list[Round]:
     """Return the rounds of a board, track by track, their entrants trained now where they are not yet."""
     trained, references = arguments.out / TRAINED, _references(arguments)
     spent = prepare(trained, arguments.suite, plan.preset, names_of(arguments))
-    return board_rounds(arguments, plan, enter(arguments.agents, trained, spent, references))
+    entrants = enter(arguments.agents, trained, spent, references, arguments.call_seconds)
+    return board_rounds(arguments, plan, entrants)
 
 
 def untrained_board(arguments: Arguments, plan: Plan) -> list[Round]:
@@ -195,7 +199,8 @@ def board_jobs(plan: Plan, rounds: Sequence[Round]) -> list[Job]:  # noqa: ARG00
 
 def pins(arguments: Arguments) -> dict[str, str]:
     """Return the hashes of the files that the entrants of a board are, by name."""
-    return provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+    files = provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+    return files | foreign_files(arguments.agents)
 
 
 def run_board(arguments: Arguments) -> Path:

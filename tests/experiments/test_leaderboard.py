@@ -28,7 +28,7 @@ from experiments.leaderboard import Arguments, plan_board, run_board
 from experiments.presets import PRESETS, Preset
 from experiments.tracks import ALWAYS
 
-AGENTS = ("uniform_random", "random_search", "optuna_tpe")
+AGENTS = ("uniform_random", "random_search", "optuna_tpe", "neighbours")
 PLAYING = {*AGENTS, *ALWAYS}
 TINY = Preset(2, 2, 5, 2, 0, 2, 1, 2, 2, 8, 32)
 BUDGETS = {"A": (1, 5), "B": (0, 1, 5)}
@@ -66,9 +66,9 @@ def board(small, finished, tmp_path):
     """A function that goes on with a copy of the finished board, and returns its folder."""
     shutil.copytree(finished, tmp_path / "board")
 
-    def run(agents=AGENTS):
+    def run(agents=AGENTS, **others):
         folder = tmp_path / "board"
-        assert run_board(Arguments("smoke", folder, agents)) == folder / "index.html"
+        assert run_board(Arguments("smoke", folder, agents, **others)) == folder / "index.html"
         return folder
 
     return run
@@ -113,15 +113,14 @@ def test_the_page_and_the_tables_show_every_agent_and_every_reference(finished):
         assert all(agent in text for agent in (*PLAYING, "exact planner", "virtual best (bound)"))
 
 
-def test_all_tracks_lie_in_one_ledger_and_share_what_they_can(small, trained, tmp_path):
+def test_other_tracks_join_the_ledger_of_a_board_and_share_what_they_can(board, finished):
     """B's rounds with trials are A's; without a trial only those who learnt have a place; C steers single runs."""
-    folder = tmp_path / "board"
-    shutil.copytree(trained, folder / "trained")
-    run_board(Arguments("smoke", folder, (*AGENTS, "neighbours"), track=("C", "A", "B"), maps=1))
-    played = [fields["run"] for fields in records(folder, "outcome")]
-    assert len(played) == len(set(played))
-    assert {run.split("/")[1] for run in played if run.count("/") == 3} == {"0", "1", "5"}
-    steered = {run.split("/")[0] for run in played if run.count("/") == 2}
+    folder = board(track=("C", "A", "B"))
+    before = lines(finished)
+    assert lines(folder)[: len(before)] == before
+    joined = [json.loads(line) for line in lines(folder)[len(before) :]]
+    assert {fields["run"].split("/")[1] for fields in joined if fields["run"].count("/") == 3} == {"0"}
+    steered = {fields["run"].split("/")[0] for fields in joined if fields["run"].count("/") == 2}
     assert steered == {*ALWAYS, "neighbours", control.SCHEDULE} - {"random_search"}
     tables = (folder / "board.md").read_text(encoding="utf-8")
     without = tables.partition("0 trials per map")[2].partition("##")[0]
