@@ -235,7 +235,7 @@ class Board:
 
 
 def _ties(agents: Sequence[Row]) -> list[bool]:
-    """Return for all but the first of some ranked rows whether they are told apart from the row above, all at once.
+    """Return for all but the first of some ranked rows whether they are tied with the row above, all judged at once.
 
     One map tells nobody apart.
     """
