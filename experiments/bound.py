@@ -47,6 +47,8 @@ def candidates(rounds: Sequence[Round], item: int, ledger: Ledger) -> list[Float
                 job = played.job(entrant, played.items[item], seed)
                 outcome = ledger.run(job.key).outcome
                 assert outcome is not None, f"{job.key} is not finished"
+                if outcome.failure and played.track != "C":  # nothing was recommended
+                    continue
                 name = outcome.unit if isinstance(job, contest.Job) else entrant.name
                 found.setdefault(name, {})[seed] = np.array([outcome.gaps, np.isfinite(outcome.lengths)])
     runs = [np.stack(list(seeds.values()), axis=1) for seeds in found.values()]
