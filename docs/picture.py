@@ -1,6 +1,8 @@
-"""Make docs/board.png, the README's picture, from a leaderboard page: its 3D map beside its interval plot.
+"""Make docs/board.png, the README's picture, from a leaderboard page: one map's paths beside its interval plot.
 
-    python docs/picture.py out/board/index.html
+    python docs/picture.py out/board/index.html#A-100/3
+
+The address is the one that the page has when that map is open.
 
 Needs Chromium, which draws the page, and Pillow (with matplotlib), which makes the file small.
 """
@@ -14,38 +16,46 @@ from pathlib import Path
 
 from PIL import Image
 
-WIDTH, HEIGHT, COLOURS = 1500, 640, 192
+WIDTH, HEIGHT, COLOURS = 1500, 640, 256
 STYLE = """
-body { max-width: none; padding: 1.2rem 1.6rem; } header { display: none; }
+body { max-width: none; padding: 1.2rem 1.6rem; } header, .tools { display: none; }
 main { display: grid; grid-template-columns: 1.15fr 1fr; gap: 2.5rem; align-items: start; }
-section { margin: 0; display: none; } section > p { display: none; }
-section:has(#picture), section:has(#intervals) { display: block; }
-section:has(#picture) { order: -1; }
-figure { grid-template-columns: minmax(0, 1fr) 12.5rem; gap: 0.6rem; } #scene { height: 32rem; }
+section { margin: 0; display: none; } #map > *, section > p { display: none; }
+#map, #sure, #map > h2 { display: block; }
+#map { order: -1; }
+#map > .view { display: grid; grid-template-columns: minmax(0, 1fr) 12.5rem; gap: 0.6rem; }
+#scene { height: 32rem; } figcaption { display: none; }
 h2 { font-size: 0; } h2::after { font-size: 1.4rem; }
-#picture::after { content: "Paths on real terrain, and how much longer than the best"; }
-#intervals::after { content: "Mean gap to the exact optimum, 95 % intervals"; }
+#map-title::after { content: "Paths on real terrain, and how much longer than the best"; }
+#sure-title::after { content: "Mean gap to the exact optimum, 95 % intervals"; }
 .plot > div { grid-template-columns: 10rem minmax(0, 1fr) 9rem; }
 .plot svg { height: 1.72rem; }
 """
 
 
-def main(page: Path, picture: Path) -> None:
-    """Write the picture of a page."""
+def main(page: Path, address: str, picture: Path) -> None:
+    """Write the picture of a page that shows what an address asks for."""
     browser = shutil.which("chromium") or shutil.which("google-chrome") or sys.exit("no Chromium found")
     with tempfile.TemporaryDirectory() as folder:
-        copy, shot = Path(folder) / "page.html", Path(folder) / "shot.png"
-        copy.write_text(
-            page.read_text(encoding="utf-8").replace("</style>", STYLE + "</style>", 1), encoding="utf-8"
-        )
+        copy, shot = Path(folder) / "site", Path(folder) / "shot.png"
+        shutil.copytree(page.parent, copy, ignore=shutil.ignore_patterns("*.jsonl", "trained"))
+        with (copy / "page.css").open("a", encoding="utf-8") as style:
+            style.write(STYLE)
         flags = ["--headless", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking"]
         flags += ["--no-sandbox"] * (os.geteuid() == 0)  # Chromium refuses to run as root with it
         flags += [f"--user-data-dir={folder}/profile", f"--window-size={WIDTH},{HEIGHT}"]
-        flags += ["--virtual-time-budget=10000", f"--screenshot={shot}", copy.as_uri()]
+        flags += [
+            "--virtual-time-budget=10000",
+            f"--screenshot={shot}",
+            f"{(copy / page.name).as_uri()}#{address}",
+        ]
         subprocess.run([browser, *flags], check=True, capture_output=True, timeout=120)
-        Image.open(shot).convert("RGB").quantize(COLOURS).save(picture, optimize=True)
+        Image.open(shot).convert("RGB").quantize(COLOURS, Image.Quantize.FASTOCTREE).save(
+            picture, optimize=True
+        )
     print(f"{picture}: {picture.stat().st_size / 1000:.0f} KB")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(__file__).with_name("board.png"))
+    file, _, place = sys.argv[1].partition("#")
+    main(Path(file), place, Path(__file__).with_name("board.png"))

@@ -17,7 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from antgym.errors import AntgymError
-from experiments.columns import COLUMNS, TIE, cells, size
+from experiments.columns import COLUMNS, TIE, cells, headline, size
 from experiments.statistics import (
     Estimate,
     cluster_interval,
@@ -154,7 +154,7 @@ class Board:
     """A leaderboard: every row on the same scenarios.
 
     Attributes:
-        title: headline.
+        title: of what it is on, the same for all boards of a site.
         track: "A": tuned on each map by itself; "B": trained, then none or a few trials on each map; "C": control
             within one run.
         command: what makes this board again.
@@ -235,7 +235,7 @@ class Board:
 
 
 def _ties(agents: Sequence[Row]) -> list[bool]:
-    """Return for all but the first of some ranked rows whether they are told apart from the row above, all at once.
+    """Return for all but the first of some ranked rows whether they are tied with the row above, all judged at once.
 
     One map tells nobody apart.
     """
@@ -250,7 +250,7 @@ def _ties(agents: Sequence[Row]) -> list[bool]:
 def to_table(board: Board) -> Table:
     """Return the board for a terminal; references stand in their order, dim and without a place."""
     caption = Text("\n".join([f"{size(board)}. {TIE}", *failures(board)]))
-    table = Table(title=Text(board.title), caption=caption, box=SIMPLE_HEAD, padding=0)
+    table = Table(title=Text(headline(board)), caption=caption, box=SIMPLE_HEAD, padding=0)
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("agent", overflow="fold")
     shown = [column for column in COLUMNS if column.terminal]

@@ -266,11 +266,12 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -
     judging = (time.perf_counter() - begun) / len(some)
     work = np.array([sum(trial.work for trial in result.trials) for result in results])
     shares = work / max(1, work.sum())  # of the batches' wall time: single runs have none of their own
-    for i, (run, (outcome, plans)) in enumerate(zip(runs, judged, strict=True)):
-        if run.traced and plans is not None:
-            run.trace([plans[k].best for k in range(fresh)])
-        run.finish(outcome)
-        run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
+    with runs[0].hold():
+        for i, (run, (outcome, plans)) in enumerate(zip(runs, judged, strict=True)):
+            if run.traced and plans is not None:
+                run.trace([plans[k].best for k in range(fresh)])
+            run.finish(outcome)
+            run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
 
 
 def _judge(

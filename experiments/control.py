@@ -157,11 +157,12 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
         thinking += time.perf_counter() - begun
         steer_together(list(zip(sessions, units, strict=True)))
     planning = time.perf_counter() - started - thinking
-    for session, run in zip(sessions, sound, strict=True):
-        (trial,) = session.trials
-        gaps = session.problem.gap(np.array(session.lengths))
-        run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
-        run.time(tuner=thinking / len(some), planner=planning / len(some))
+    with runs[0].hold():
+        for session, run in zip(sessions, sound, strict=True):
+            (trial,) = session.trials
+            gaps = session.problem.gap(np.array(session.lengths))
+            run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
+            run.time(tuner=thinking / len(some), planner=planning / len(some))
 
 
 def _act(controller: Controller, session: Session) -> NDArray[np.float64]:

@@ -1,7 +1,9 @@
-"""A made-up board: eight agents and two references on twelve maps, and one mountain to look at."""
+"""Made-up boards: eight agents and two references on twelve maps and one mountain to look at, and a small site."""
 
 import numpy as np
 
+from antgym.tuning.ledger import Ledger, Outcome
+from antgym.tuning.session import Record, Trial
 from experiments.board import EXACT, Board, Picture, Row
 
 AGENTS = {  # name: median gap, deploy, training, summary
@@ -83,6 +85,51 @@ def fake_board(**changes):
         "pictures": (mountain(rng),),
     }
     return board(*rows, **{**plain, **changes})
+
+
+def small_site(*names):
+    """Boards of tracks A, B and C on three maps, the first one to look at; rows of these names beside the exact one."""
+    rng = np.random.default_rng(2)
+    picture = mountain(rng, shape=(8, 8, 16))
+    paths = {name: picture.paths["ga"] for name in names[:2]} | {EXACT: picture.paths[EXACT]}
+    picture = Picture(
+        "one", picture.heights, picture.free, picture.cell, paths, _of(picture, paths), picture.optimum
+    )
+    kinds = [("A", 1), ("A", 20), ("B", 0), ("B", 5), ("C", 0)]
+    return [
+        board(
+            *(row(name, np.sort(rng.uniform(0.02, 0.3 / (i + 1), (3, 2)))) for i, name in enumerate(names)),
+            row(EXACT, np.zeros((3, 2)), "reference"),
+            track=track,
+            budget=budget,
+            scenarios=("one", "two", "three"),
+            pictures=(picture,),
+            manifest={"config": {"suite": "mountain-v0"}, "versions": {"numpy": "2.4.6"}},
+        )
+        for track, budget in kinds
+    ]
+
+
+def _of(picture, names):
+    return {name: picture.lengths.get(name, picture.lengths["ga"]) for name in names}
+
+
+def recorded(boards, folder):
+    """Write the ledger that boards could come from: two trials and two fresh runs a gap. Return its folder."""
+    with Ledger(folder, {}, {}) as ledger:
+        for one in boards:
+            for agent in one.rows:
+                for i, name in enumerate(one.scenarios if agent.name != EXACT else ()):
+                    for seed, gap in enumerate(agent.gaps[i]):
+                        _record(ledger.run(one.key(agent.name, name, seed)), gap)
+    return folder
+
+
+def _record(run, gap):
+    lost = Record(Trial(0, (0.9, 0.8, 0.7, 0.6), 10.0, 7), float("inf"), 1)
+    found = Record(Trial(1, (0.1, 0.2, 0.3, 0.4), 1.5, 7), 150.0, 2)
+    run.append([lost, found])
+    run.finish(Outcome(found.trial.unit, (100 * (1 + gap),) * 2, (gap, gap)))
 
 
 def _gaps(rng, hardness, median):

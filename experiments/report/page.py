@@ -1,153 +1,261 @@
-"""The leaderboard as one self-contained HTML file, which opens from a disk and loads nothing from anywhere.
+"""The leaderboards of a ledger as a static site, which opens from a disk and loads nothing from anywhere else.
 
-Every text of a board passes ``escape`` on its way in; a content security policy in the page forbids whatever
-would still slip through to fetch anything.
+Every text of a board passes ``escape`` on its way into the page, and reaches scripts as JSON that they show as text. A
+content security policy forbids inline scripts and every other origin, whatever would still slip through.
 """
 
 import json
-import os
-from collections.abc import Iterator, Mapping
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from hashlib import sha256
 from html import escape
 from pathlib import Path
 from string import Template
 from typing import Any
 
-from antgym.errors import MissingExtraError
-from experiments.board import EXACT, Board, Picture, Row
-from experiments.columns import COLUMNS, TIE, percent, size
+from antgym.console import progress, write_whole
+from antgym.errors import AntgymError, MissingExtraError
+from experiments.board import EXACT, Board
+from experiments.columns import COLUMNS, TIE, size
 from experiments.report import marks
-from experiments.report.picture import drawn, figure, stretch
+from experiments.report.cards import agent_card, definition, flat
+from experiments.report.curves import anytime, profile
+from experiments.report.hues import Hue, hues
+from experiments.report.importance import importance
+from experiments.report.maps import map_data, world_of
+from experiments.report.runs import Run, read_runs
+from experiments.report.titles import TRACKS, board_id, board_label, choice, result
+from experiments.report.versus import versus
 
 HERE = Path(__file__).parent
-HUES = 8
+SCRIPTS = tuple(f"scripts/{name}.js" for name in ("page", "sorting", "curves", "scene", "maps"))
+ASSETS = ("page.css", *SCRIPTS)
+PLOTLY = "plotly.min.js"
 POLICY = (
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; "
+    "default-src 'none'; style-src 'self' 'unsafe-inline'; script-src 'self'; img-src data: blob:; "
     "base-uri 'none'; form-action 'none'"
 )
+HELP = (
+    f'<p class="help">{escape(TIE)} Rows in italics are references, which do not compete. A heading sorts; pressed '
+    "again, the other way round.</p>"
+)
+ONE_MAP = '<p class="help">One map tells nobody apart.</p>'
+HASH = 12  # letters of the hash that names a folder of data
+HASHED = "[0-9a-f]" * HASH
+AT_FIRST = 6  # agents whose curves are drawn before the reader asks for more
 
 
-def write_page(board: Board, path: Path) -> None:
-    """Write a board's page; the file is either there as a whole or not at all.
+def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
+    """Write the page of some boards, its scripts and a data file for every map of every board.
+
+    ``index.html`` comes last and data lie in a folder named by their hash, so that an old page works until a new one
+    takes its place; then the old data go.
+
+    Args:
+        boards: one for each track and budget, in the order in which they are offered.
+        ledger: folder of the ``trials.jsonl`` that their gaps come from.
+        folder: where the site goes; it may be the ledger's.
+
+    Returns:
+        The path of ``index.html``.
 
     Raises:
-        MissingExtraError: if the board has a picture and plotly is not installed.
+        AntgymError: if there is no board, or two of one track and budget.
+        LedgerError: if a gap of an agent is not what its run in the ledger says.
+        MissingExtraError: if plotly is not installed.
     """
-    text = _page(board)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    names = [board_id(board) for board in boards]
+    if not names or len(set(names)) < len(names):
+        raise AntgymError(
+            f"a site needs boards, one for each track and budget; got {', '.join(names) or 'none'}"
+        )
+    files = {PLOTLY: _plotly(), **{name: _asset(name) for name in ASSETS}}
+    looks = hues(boards)
+    runs = read_runs(ledger, {key for board in boards for key in _keys(board)})
+    with progress("page", 2 * len(boards)) as advance:
+        records: dict[str, str] = {}
+        for board in boards:
+            records |= _records(board, runs, looks)
+            advance(1)
+        data = f"data/{sha256(''.join(records.values()).encode()).hexdigest()[:HASH]}"
+        page = _page(boards, looks, data, advance)
+    files |= {f"{data}/{name}": text for name, text in records.items()} | {"index.html": page}
+    for name, text in files.items():
+        write_whole(folder / name, text.encode())
+    _forget(folder / "data", folder / data)
+    return folder / "index.html"
+
+
+def _keys(board: Board) -> set[str]:
+    return {
+        board.key(row.name, name, seed)
+        for row in board.rows
+        for i, name in enumerate(board.scenarios)
+        for seed in range(len(row.gaps[i]))
+    }
+
+
+def _records(board: Board, runs: dict[str, Run], looks: dict[str, Hue]) -> dict[str, str]:
+    """Return scripts that hand maps over, by file name: a page from a disk may load scripts, but fetch nothing."""
+    name = board_id(board)
+    return {
+        f"{name}-{i}.js": f'antgym.deliver("{name}/{i}", {_json(map_data(board, i, runs, looks))});\n'
+        for i in range(len(board.scenarios))
+    }
+
+
+def _forget(parent: Path, kept: Path) -> None:
+    """Remove the data of earlier pages, and nothing else that may lie there."""
+    for folder in parent.glob(HASHED):
+        if folder != kept:
+            shutil.rmtree(folder)
+
+
+def _json(data: Any) -> str:
+    # "<" would let a name close the script element that carries the data
+    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _plotly() -> str:
     try:
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _page(board: Board) -> str:
-    versions = board.manifest.get("versions", {})
-    rest = {key: value for key, value in board.manifest.items() if key != "versions"}
-    return Template(_asset("page.html")).substitute(
-        policy=escape(POLICY),
-        description=escape(f"{board.title}: agents that tune an ant-colony path planner, {size(board)}."),
-        title=escape(board.title),
-        style=_asset("page.css"),
-        result=_result(board),
-        size=escape(f"{size(board)}."),
-        tie=escape(TIE),
-        headings=marks.headings(),
-        rows="\n".join(marks.ranking_row(board, row) for row in board.ranked),
-        intervals=marks.intervals(board),
-        heat=marks.heat(board),
-        picture="".join(_picture(board, picture) for picture in board.pictures[:1]),
-        meanings="\n".join(_definition(column.heading, column.meaning) for column in COLUMNS),
-        agents="\n".join(_who(row) for row in board.ranked),
-        command=escape(board.command),
-        versions="\n".join(_definition(name, value) for name, value in _flat(versions)),
-        manifest=_details("The rest of the manifest", rest) if rest else "",
-        sorting=_asset("sorting.js"),
-        drawing="".join(_drawing(board, picture) for picture in board.pictures[:1]),
-    )
+        from plotly.offline import get_plotlyjs
+    except ImportError:
+        raise MissingExtraError("plotly", "viz") from None
+    script: str = get_plotlyjs()
+    return script
 
 
 def _asset(name: str) -> str:
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _result(board: Board) -> str:
-    """Say who is ahead, and of whom nobody can tell whether they are."""
-    agents = [row for row in board.ranked if row.kind == "agent"]
-    if not agents:
-        return ""
-    best, *others = agents
-    space = "\N{NO-BREAK SPACE}"
-    interval = f" (95{space}% interval {_range(*best.interval)})" if best.interval else ""
-    text = f"<strong>{escape(best.name)}</strong> is ahead with a mean gap of {percent(best.mean)}{space}%{interval}"
-    if others and board.places[others[0].name].tied:
-        return f"{text}, but is not told apart from <strong>{escape(others[0].name)}</strong>."
-    return f"{text}."
-
-
-def _range(low: float, high: float) -> str:
-    return f"{percent(low)} to {percent(high)}"
-
-
-def _definition(name: str, text: Any) -> str:
-    return f"<div><dt>{marks.label(name)}</dt><dd>{escape(str(text))}</dd></div>"
-
-
-def _who(row: Row) -> str:
-    card = _details("card", row.card) if row.card else ""
-    return f"<div><dt>{marks.label(row.name)}</dt><dd>{escape(row.summary)}{card}</dd></div>"
-
-
-def _details(summary: str, record: Mapping[str, Any]) -> str:
-    inner = "\n".join(_definition(name, value) for name, value in _flat(record))
-    return f'<details><summary>{escape(summary)}</summary><dl class="versions">{inner}</dl></details>'
-
-
-def _flat(record: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the leaves of nested mappings under dotted names."""
-    for name, value in record.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value
-
-
-def _picture(board: Board, picture: Picture) -> str:
-    names = drawn(board, picture)
-    items = "\n".join(_toggle(picture, name, i) for i, name in enumerate(names))
-    lost = [row.name for row in board.ranked if row.name not in picture.paths and row.name in picture.lengths]
-    notes = [f"Heights are drawn {stretch(picture):.1f} times too high."] if stretch(picture) > 1.05 else []
-    notes += [f"No path on this map: {', '.join(lost)}."] if lost else []
-    return Template(_asset("picture.html")).substitute(
-        name=escape(picture.name),
-        optimum=f"{picture.optimum:,.1f}",
-        toggles=items,
-        notes=f"<p>{escape(' '.join(notes))}</p>" if notes else "",
+def _page(boards: Sequence[Board], looks: dict[str, Hue], data: str, advance: Callable[[int], None]) -> str:
+    titles = list(dict.fromkeys(board.title for board in boards))
+    title = titles[0] if len(titles) == 1 else "Leaderboards"
+    panels = []
+    for board in boards:
+        panels.append(_panels(board, looks))
+        advance(1)
+    sections = {name: "\n".join(panel[name] for panel in panels) for name in panels[0]}
+    labels = dict(enumerate(map(board_label, boards)))
+    return Template(_asset("page.html")).substitute(
+        sections,
+        policy=escape(POLICY),
+        title=escape(title),
+        description=escape(f"{title}: agents that tune a swarm path planner, {size(boards[0])}."),
+        boards=_choices(boards),
+        importance=importance([world for board in boards if (world := world_of(board))]),
+        agents="\n".join(agent_card(name, boards, looks[name], labels) for name in _named(boards)),
+        meanings="\n".join(definition(column.heading, column.meaning) for column in COLUMNS),
+        making="\n".join(_making(board) for board in _made_apart(boards)),
+        plotly=PLOTLY,
+        scripts="\n".join(f'<script src="{name}" defer></script>' for name in SCRIPTS),
+        site=_json({"data": data, **_site(boards, looks)}),
     )
 
 
-def _toggle(picture: Picture, name: str, index: int) -> str:
-    exact = name == EXACT
-    length = picture.lengths[name]
-    note = f"{length:,.1f}" if exact else f"+{percent(length / picture.optimum - 1)} %"
-    hue = "exact" if exact else f"hue-{(index - 1) % HUES}"
+def _first(boards: Sequence[Board]) -> Board:
+    """Return the board that a reader sees first: the largest budget of the first track."""
+    return max((board for board in boards if board.track == boards[0].track), key=lambda board: board.budget)
+
+
+def _named(boards: Sequence[Board]) -> list[str]:
+    """Return the names of all rows: agents first, by rank on the first board that has them."""
+    rows = [row for board in (_first(boards), *boards) for row in board.ranked]
+    return list(dict.fromkeys(row.name for row in sorted(rows, key=lambda row: row.kind)))
+
+
+def _choices(boards: Sequence[Board]) -> str:
+    """Return the links to the boards, a group for each track."""
+    groups = []
+    for track, (name, meaning) in TRACKS.items():
+        links = "".join(
+            f'<a href="#{board_id(board)}" data-choice="{board_id(board)}">{choice(board)}</a>'
+            for board in boards
+            if board.track == track
+        )
+        if links:
+            groups.append(
+                f'<span class="track" title="{escape(meaning)}"><b>{track}</b> {escape(name)} {links}</span>'
+            )
+    return "\n".join(groups)
+
+
+def _panels(board: Board, looks: dict[str, Hue]) -> dict[str, str]:
+    """Return a board's part of every section of the page."""
+    ranked = "\n".join(marks.ranking_row(board, row, looks[row.name]) for row in board.ranked)
+    parts = {
+        "rankings": result(board)
+        + HELP
+        + _table("ranking", board, f"<thead><tr>{marks.headings()}</tr></thead>\n<tbody>{ranked}</tbody>"),
+        "intervals": f'<div class="plot">{marks.intervals(board, looks)}</div>',
+        "versus": _table("versus", board, versus(board, looks)) if len(board.scenarios) > 1 else ONE_MAP,
+        "heats": _table("heat", board, marks.heat(board, looks, lambda i: f"#{board_id(board)}/{i}")),
+    }
+    return {
+        name: f'<div class="panel" data-board="{board_id(board)}">{part}</div>'
+        for name, part in parts.items()
+    }
+
+
+def _table(kind: str, board: Board, inner: str) -> str:
+    spoken = f"{kind}, {board_label(board)}"
     return (
-        f'<li><button type="button" class="{hue}" data-line="{index}" aria-pressed="false">'
-        f'<span class="swatch"></span><span class="name">{marks.label(name)}</span> '
-        f'<span class="note">{note}</span></button></li>'
+        f'<div class="scroller" role="region" aria-label="{escape(spoken)}" tabindex="0">'
+        f'<table class="{kind}">{inner}</table></div>'
     )
 
 
-def _drawing(board: Board, picture: Picture) -> str:
-    try:
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise MissingExtraError("plotly", "viz") from None
-    # "<" would let a name close the script element that carries the data
-    data = json.dumps(figure(board, picture), allow_nan=False).replace("<", "\\u003c")
+def _made_apart(boards: Sequence[Board]) -> list[Board]:
+    """Return the boards without those that were made by the same command, with the same manifest."""
+    made = {
+        json.dumps([board.command, board.manifest], sort_keys=True, default=str): board for board in boards
+    }
+    return list(made.values())
+
+
+def _making(board: Board) -> str:
+    versions = board.manifest.get("versions", {})
+    rest = {key: value for key, value in board.manifest.items() if key != "versions"}
     return (
-        f"<script>{get_plotlyjs()}</script>\n"
-        f'<script type="application/json" id="figure">{data}</script>\n'
-        f"<script>\n{_asset('drawing.js')}</script>"
+        f"<pre><code>{escape(board.command)}</code></pre>\n{_facts(versions)}"
+        f"<details><summary>The rest of the manifest</summary>{_facts(rest)}</details>"
     )
+
+
+def _facts(record: Mapping[str, Any]) -> str:
+    return f'<dl class="versions">{"".join(definition(name, value) for name, value in flat(record))}</dl>'
+
+
+def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
+    """Return what the scripts know of the site: names and hues, the boards, and the numbers of the curves."""
+    tracks = dict.fromkeys(board.track for board in boards)
+    first = _first(boards)
+    shown = [row.name for row in first.ranked if row.kind == "agent"][:AT_FIRST]
+    return {
+        "first": board_id(first),
+        "legend": [looks[name].number for name in _named(boards) if name != EXACT],
+        "agents": [
+            {
+                "name": name,
+                "colour": hue.colour,
+                "dash": hue.dash,
+                "shown": name in shown or hue.kind == "reference",
+            }
+            for name, hue in looks.items()
+        ],
+        "boards": {
+            board_id(board): {
+                "label": board_label(board),
+                "track": board.track,
+                "budget": board.budget,
+                "maps": board.scenarios,
+                "order": [looks[row.name].number for row in board.ranked if row.kind == "agent"],
+                "profile": profile(board, looks) if len(board.scenarios) > 1 else None,
+            }
+            for board in boards
+        },
+        "anytime": {
+            track: anytime([board for board in boards if board.track == track], looks) for track in tracks
+        },
+    }

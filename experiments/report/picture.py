@@ -1,6 +1,6 @@
 """The 3D picture of a page: one scenario and its paths as plotly traces, written as plain dictionaries.
 
-Colours are not set here: the page's script takes them from its style sheet, so that they follow its theme.
+Colours and dashes are not set here: the page's script takes them from the agents' hues, so that they follow its theme.
 """
 
 from typing import Any
@@ -155,7 +155,7 @@ def _line(picture: Picture, name: str, shown: bool) -> dict[str, Any]:
         "mode": "lines",
         **_centres(picture, picture.paths[name]),
         "visible": shown,
-        "line": {"width": 7 if name == EXACT else 5, "dash": "dash" if name == EXACT else "solid"},
+        "line": {},
         "hoverinfo": "none",
     }
 

@@ -1,53 +1,26 @@
-"""The page: complete, escaped, self-contained, and alive in a browser where there is one."""
+"""The site: complete, escaped, true to its ledger, whole or not there; test_site opens it in a browser."""
 
 import json
 import re
-import shutil
-import subprocess
 import sys
 from dataclasses import replace
-from html import escape, unescape
+from html import escape
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from boards import AGENTS, SCENARIOS, board, fake_board, mountain, row
+from boards import AGENTS, SCENARIOS, board, fake_board, recorded, row, small_site
 
-from antgym.errors import MissingExtraError
+from antgym.errors import AntgymError, LedgerError, MissingExtraError
 from experiments.board import EXACT, Picture
 from experiments.columns import COLUMNS, percent
-from experiments.report.page import write_page
+from experiments.report.hues import hues
+from experiments.report.page import write_site
 from experiments.report.picture import drawn, figure, stretch
+from experiments.report.titles import ahead
 
 HOSTILE = "</script><script>alert(1)</script><img src='https://evil.example/x' onerror=alert(2)>\"&"
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-LISTEN = """<script>
-window.problems = [];
-const note = (what) => window.problems.push(String(what));
-addEventListener("error", (event) => note(event.message ?? event.target), true);
-addEventListener("unhandledrejection", (event) => note(event.reason));
-addEventListener("securitypolicyviolation", (event) => note(event.blockedURI));
-console.error = note;
-window.alert = note;
-</script>"""
-PROBE = """<script>addEventListener("load", () => {
-  const order = () => [...document.querySelectorAll(".ranking tbody th")].map((cell) => cell.dataset.value);
-  const buttons = [...document.querySelectorAll(".ranking thead button")];
-  const [, agent, gap] = buttons, optimism = buttons.at(-1);
-  const after = (button) => { button.click(); return order(); };
-  const shown = () => document.getElementById("scene")._fullData.slice(1).map((trace) => trace.visible);
-  const seen = { start: order(), gap: after(gap), name: after(agent), optimism: after(optimism) };
-  seen.sort = optimism.parentElement.getAttribute("aria-sort");
-  seen.shown = shown();
-  document.querySelector('[data-line="0"]').click();
-  seen.toggled = shown();
-  seen.loaded = performance.getEntriesByType("resource").map((entry) => entry.name);
-  seen.problems = window.problems;
-  const out = document.createElement("pre");
-  out.id = "probe";
-  out.textContent = JSON.stringify(seen);
-  document.body.append(out);
-});</script>"""
+SCRIPTS = ["page.js", "sorting.js", "curves.js", "scene.js", "maps.js"]
 
 
 class Reader(HTMLParser):
@@ -71,38 +44,35 @@ class Reader(HTMLParser):
             self.texts.append(data)
 
 
-def written(shown, folder):
-    write_page(shown, folder / "index.html")
-    return (folder / "index.html").read_text(encoding="utf-8")
+def written(boards, folder):
+    return write_site(boards, recorded(boards, folder), folder).read_text(encoding="utf-8")
+
+
+def delivered(folder, name):
+    """The record of a map, as the script that delivers it says."""
+    (path,) = folder.glob(f"data/*/{name.replace('/', '-')}.js")
+    call = path.read_text(encoding="utf-8")
+    return json.loads(re.fullmatch(rf'antgym\.deliver\("{name}", (.*)\);\n', call)[1])
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site")
+    written(small_site("ga", "pso"), folder)
+    return folder
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
-    return written(fake_board(), tmp_path_factory.mktemp("page"))
-
-
-def hostile_board():
-    picture = mountain(np.random.default_rng(0), shape=(8, 8, 16))
-    paths, lengths = ({**old, HOSTILE: old["ga"]} for old in (picture.paths, picture.lengths))
-    picture = replace(picture, name=HOSTILE, paths=paths, lengths=lengths)
-    rows = [
-        row("ga", optimism=0.1),
-        row("pso", [[0.2, 0.2], [0.5, 0.6]], optimism=0.05),
-        row(EXACT, [[0, 0], [0, 0]], "reference"),
-    ]
-    rows.append(row(HOSTILE, [[0.9, 0.9], [0.8, 0.8]], summary=HOSTILE, card={HOSTILE: HOSTILE}))
-    texts = {
-        "title": HOSTILE,
-        "command": HOSTILE,
-        "scenarios": (HOSTILE, "b"),
-        "manifest": {"versions": {HOSTILE: HOSTILE}, HOSTILE: {"a": HOSTILE}},
-    }
-    return board(*rows, pictures=(picture,), **texts)
+    folder = tmp_path_factory.mktemp("page")
+    shown = replace(fake_board(), rows=tuple(replace(one, kind="reference") for one in fake_board().rows))
+    (folder / "trials.jsonl").touch()  # references may be computed and need no runs
+    return write_site([shown], folder, folder).read_text(encoding="utf-8")
 
 
 def test_page_says_what_it_is_and_holds_every_row_map_and_column(page):
     text = " ".join(" ".join(Reader(page).texts).split())
-    assert "Agents pick four numbers (α, β, ρ, Q) for an ant-colony path planner" in text
+    assert "Agents pick the parameters of a swarm path planner" in text
     for one in fake_board().rows:
         assert f'data-value="{one.name}"' in page
         assert escape(one.summary) in page
@@ -121,58 +91,156 @@ def test_page_tells_the_command_and_every_version(page):
 
 
 def test_page_says_who_is_ahead_and_whether_that_is_sure():
-    from experiments.report.page import _result
-
     low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
-    assert "<strong>a</strong> is ahead" in _result(board(row("a", low), row("b", high)))
-    assert "not told apart from <strong>b</strong>" in _result(board(row("a", low), row("b", low)))
+    assert "<strong>a</strong> is ahead" in ahead(board(row("a", low), row("b", high)))
+    assert "not told apart from <strong>b</strong>" in ahead(board(row("a", low), row("b", low)))
 
 
-def test_page_loads_nothing(page):
-    assert Reader(page).links == ["data:,"]
-    style = page[page.index("<style>") : page.index("</style>")]
+def test_site_loads_its_own_files_and_nothing_else(site):
+    page = (site / "index.html").read_text(encoding="utf-8")
+    loaded = [link for link in Reader(page).links if not link.startswith("#")]
+    assert loaded == ["data:,", "page.css", "plotly.min.js", *(f"scripts/{name}" for name in SCRIPTS)]
+    assert all((site / link).is_file() for link in loaded[1:])
+    assert "script-src &#x27;self&#x27;;" in page
+    style = (site / "page.css").read_text(encoding="utf-8")
     assert "url(" not in style
     assert "@import" not in style
-    assert "default-src &#x27;none&#x27;" in page
+
+
+def test_every_board_has_its_part_of_every_section_and_a_record_of_every_map(site):
+    page = (site / "index.html").read_text(encoding="utf-8")
+    for one in ("A-1", "A-20", "B-0", "B-5", "C-0"):
+        assert page.count(f'class="panel" data-board="{one}"') == 4
+        assert len(list(site.glob(f"data/*/{one}-[012].js"))) == 3
+
+
+def test_a_map_tells_gaps_and_the_ledgers_rows_behind_them(site):
+    record = delivered(site, "A-20/1")
+    shown = small_site("ga", "pso")[1]
+    assert record["name"] == "two"
+    assert record["parameters"] == ["α", "β", "ρ", "Q"]
+    assert [one["agent"] for one in record["rows"]] == [
+        hues([shown])[one.name].number for one in shown.ranked
+    ]
+    exact, best, _ = record["rows"]
+    assert exact["runs"] == [None, None]
+    assert best["gaps"] == [round(gap, 6) for gap in shown.ranked[1].gaps[1]]
+    assert best["runs"][0]["trials"] == [[0.9, 0.8, 0.7, 0.6, 10.0, None], [0.1, 0.2, 0.3, 0.4, 1.5, 150.0]]
+    assert best["runs"][0]["unit"] == [0.1, 0.2, 0.3, 0.4]
+
+
+def test_a_map_has_its_picture_where_the_board_has_one(site):
+    assert [path["agent"] for path in delivered(site, "A-20/0")["picture"]["paths"]] == [
+        2,
+        1,
+        0,
+    ]  # the exact one first
+    assert delivered(site, "A-20/1")["picture"] is None
+
+
+def test_curves_hold_every_budget_of_a_track_and_profiles_end_at_one(site):
+    page = (site / "index.html").read_text(encoding="utf-8")
+    data = json.loads(re.search(r'id="site">(.*?)</script>', page)[1])
+    assert [curve["budgets"] for curve in data["anytime"]["A"]] == [[1, 20], [1, 20]]
+    assert [curve["budgets"] for curve in data["anytime"]["B"]] == [[0, 5], [0, 5]]
+    for one in data["boards"].values():
+        assert all(shares["shares"] == sorted(shares["shares"]) for shares in one["profile"]["rows"])
+        assert all(shares["shares"][-1] == 1 for shares in one["profile"]["rows"])
+    assert data["first"] == "A-20"
+
+
+def test_who_beats_whom_by_eye(tmp_path):
+    worse, better = [[0.5, 0.5]] * 3, [[0.1, 0.1]] * 3
+    page = written([board(row("pso", worse), row("ga", better))], tmp_path)
+    cells = re.findall(r'title="(.*?)"', page[page.index('<table class="versus">') :])
+    assert cells[:2] == ["ga beats pso: 100 % [100–100]", "pso beats ga: 0 % [0–0]"]
+
+
+def test_agents_keep_their_hue_over_boards_and_references_share_one():
+    boards = small_site("ga", "pso")
+    looks = hues([*boards, board(row("pso"), row("sobol"), row("ga"), row("sbs", kind="reference"))])
+    assert [looks[name].colour for name in ("ga", "pso", "sobol")] == ["hue-0", "hue-1", "hue-2"]
+    assert (looks["sbs"].colour, looks[EXACT].colour) == ("reference", "exact")
+
+
+def test_a_number_without_its_run_is_refused(tmp_path):
+    boards = [board(row())]
+    recorded(boards, tmp_path)
+    other = [board(row(gaps=((0.1, 0.2), (0.3, 0.5))))]
+    with pytest.raises(LedgerError, match=r"ga/20/map-1/1' has a gap of 0.4 in the ledger, 0.5 on the board"):
+        write_site(other, tmp_path, tmp_path)
+    with pytest.raises(LedgerError, match="no finished run 'pso/20/map-0/0'"):
+        write_site([board(row("pso"))], tmp_path, tmp_path)
+    with pytest.raises(LedgerError, match="a page is made from a ledger"):
+        write_site(boards, tmp_path / "nowhere", tmp_path)
+    assert not (tmp_path / "index.html").exists()
+
+
+def test_a_damaged_line_is_named_and_one_cut_short_is_not_there_yet(tmp_path):
+    boards = [board(row())]
+    recorded(boards, tmp_path)
+    with (tmp_path / "trials.jsonl").open("a") as file:
+        file.write('{"run":"ga/20/map-0/0","kind":"tri')
+    assert write_site(boards, tmp_path, tmp_path).is_file()
+    with (tmp_path / "trials.jsonl").open("a") as file:
+        file.write("\n")
+    with pytest.raises(LedgerError, match="line 13 is damaged"):
+        write_site(boards, tmp_path, tmp_path)
 
 
 def test_hostile_texts_are_escaped(tmp_path):
-    reader, plain = Reader(written(hostile_board(), tmp_path)), Reader(written(fake_board(), tmp_path))
-    assert reader.tags.count("script") == plain.tags.count("script")
+    plain, texts = small_site("ga", "pso")[:2], {"title": HOSTILE, "command": HOSTILE}
+    manifest = {"versions": {HOSTILE: HOSTILE}, HOSTILE: {"a": HOSTILE}}
+    names = {"scenarios": ("one", HOSTILE, "three"), "manifest": manifest}
+    hostile = [replace(one, **texts, **names) for one in small_site("ga", HOSTILE)[:2]]
+    reader, other = Reader(written(hostile, tmp_path / "hostile")), Reader(written(plain, tmp_path / "plain"))
+    assert reader.tags.count("script") == other.tags.count("script")
     assert "img" not in reader.tags
-    assert reader.links == ["data:,"]
+    assert reader.links == other.links
     assert HOSTILE in "".join(reader.texts)
+    assert all("<" not in path.read_text() for path in tmp_path.glob("hostile/data/*/*.js"))
 
 
-def test_a_page_without_a_picture_needs_no_plotly(tmp_path, monkeypatch):
+def test_without_plotly_nothing_is_written_and_its_extra_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
-    assert "Plotly" not in written(fake_board(pictures=()), tmp_path)
     with pytest.raises(MissingExtraError, match=r"antgym\[viz\]"):
-        write_page(fake_board(), tmp_path / "other.html")
-    assert [path.name for path in tmp_path.iterdir()] == ["index.html"]
+        write_site([board(row())], recorded([board(row())], tmp_path), tmp_path / "site")
+    assert not (tmp_path / "site").exists()
+
+
+def test_boards_of_one_track_and_budget_or_none_make_no_site(tmp_path):
+    with pytest.raises(AntgymError, match="got none"):
+        write_site([], tmp_path, tmp_path)
+    with pytest.raises(AntgymError, match="got A-20, A-20"):
+        write_site([board(row()), board(row("pso"))], tmp_path, tmp_path)
 
 
 def test_one_map_one_seed_and_a_board_of_references_still_make_a_page(tmp_path):
-    assert "ga" in written(board(row(gaps=[[0.2]])), tmp_path)
-    assert "ga" in written(board(row(kind="reference")), tmp_path)
+    assert "ga" in written([board(row(gaps=[[0.2]]))], tmp_path / "one")
+    assert "ga" in written([board(row(kind="reference"))], tmp_path / "references")
 
 
-def test_a_failed_write_leaves_the_old_page_and_nothing_else(tmp_path, monkeypatch):
-    old = written(board(row()), tmp_path)
-    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
-    with pytest.raises(OSError, match="disk full"):
-        write_page(board(row("pso")), tmp_path / "index.html")
+def test_a_failed_write_leaves_the_old_page_and_a_new_one_takes_what_it_no_longer_needs(
+    tmp_path, monkeypatch
+):
+    old = written([board(row(), budget=5)], tmp_path)
+    recorded([board(row("pso"))], tmp_path / "ledger")
+    with monkeypatch.context() as patch:
+        patch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "disk full")))
+        with pytest.raises(AntgymError, match="disk full"):
+            write_site([board(row("pso"))], tmp_path / "ledger", tmp_path)
     assert (tmp_path / "index.html").read_text(encoding="utf-8") == old
-    assert len(list(tmp_path.iterdir())) == 1
+    assert {path.name for path in tmp_path.glob("data/*/*")} == {"A-5-0.js", "A-5-1.js"}
+    write_site([board(row("pso"))], tmp_path / "ledger", tmp_path)
+    assert {path.name for path in tmp_path.glob("data/*/*")} == {"A-20-0.js", "A-20-1.js"}
 
 
-def test_picture_draws_every_path_in_world_units_and_the_exact_one_dashed():
+def test_picture_draws_every_path_in_world_units():
     shown = fake_board()
     (picture,) = shown.pictures
     names, lines = drawn(shown, picture), figure(shown, picture)["lines"]
     assert names[0] == EXACT
     assert set(names) == {EXACT, *AGENTS}
-    assert [line["line"]["dash"] for line in lines[:2]] == ["dash", "solid"]
     assert lines[0]["x"] == ((picture.paths[EXACT][:, 0] + 0.5) * 15).tolist()
 
 
@@ -202,42 +270,3 @@ def test_a_flat_world_is_drawn_as_blocks_and_not_stretched():
     walls, factor = ground([[[1], [0]], [[1], [1]]])
     assert len(walls["i"]) == 2 * 3  # two sides and a lid
     assert factor == 1
-
-
-@pytest.mark.skipif(
-    BROWSER is None, reason="no chromium, chromium-browser or google-chrome to open the page with"
-)
-def test_page_works_in_a_browser(tmp_path):
-    html = written(hostile_board(), tmp_path)
-    html = html.replace("<head>", f"<head>{LISTEN}", 1)
-    start, end = html.rsplit("</body>", 1)
-    (tmp_path / "probe.html").write_text(f"{start}{PROBE}</body>{end}", encoding="utf-8")
-    seen = opened(tmp_path / "probe.html")
-    assert seen["problems"] == []
-    assert seen["loaded"] == []
-    assert seen["start"] == [EXACT, "ga", "pso", HOSTILE]
-    assert seen["gap"] == [HOSTILE, "pso", "ga", EXACT]
-    assert seen["name"] == [HOSTILE, EXACT, "ga", "pso"]
-    assert seen["optimism"][:2] == ["pso", "ga"]  # those without a number go last
-    assert seen["sort"] == "ascending"
-    assert [seen["shown"][0], seen["toggled"][0]] == [True, False]
-
-
-def opened(path):
-    flags = [
-        "--headless",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
-    ]
-    flags += [
-        f"--user-data-dir={path.parent / 'profile'}",
-        "--window-size=400,600",
-        "--virtual-time-budget=2000",
-        "--dump-dom",
-    ]
-    done = subprocess.run(
-        [BROWSER, *flags, path.as_uri()], capture_output=True, text=True, timeout=60, check=True
-    )
-    return json.loads(unescape(re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.S)[1]))

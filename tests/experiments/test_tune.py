@@ -60,7 +60,7 @@ def test_the_setting_is_judged_on_runs_that_no_trial_was(tmp_path, monkeypatch, 
         json.loads(line)["seed"] for line in (tmp_path / "way.trials" / TRIALS).read_text().splitlines()
     ]
     assert len(seen) == len(set(seen)) == 3
-    assert not set(seen) & {seed >> 32 for seed in trials}
+    assert not set(seen) & {int(seed, 16) >> 32 for seed in trials}
     assert "6 trials" in capsys.readouterr().out
 
 

@@ -1,0 +1,67 @@
+"""What a page calls its boards: addresses, labels, headings, and the sentence that says who is ahead."""
+
+from html import escape
+
+from experiments.board import Board
+from experiments.columns import percent, size
+
+TRACKS = {
+    "A": ("per map", "Tuned on each map by itself, from nothing."),
+    "B": ("after training", "Trained on other maps before; then no or a few trials on each new map."),
+    "C": ("control", "The parameters change on the way, within one run; no trial is paid."),
+}
+
+
+def board_id(board: Board) -> str:
+    """Return how a page's addresses call a board, as ``A-20``."""
+    return f"{board.track}-{board.budget}"
+
+
+def board_label(board: Board) -> str:
+    """Return what a page calls a board among others."""
+    if board.track == "C":
+        return "C · control"
+    return f"{board.track} · {board.budget:,} {_trials(board)}"
+
+
+def choice(board: Board) -> str:
+    """Return, as HTML, what the link to a board among those of its track says."""
+    if board.track == "C":
+        return "one run"
+    return f'{board.budget:,}<span class="unseen"> {_trials(board)}</span>'
+
+
+def _trials(board: Board) -> str:
+    return "trial" if board.budget == 1 else "trials"
+
+
+def result(board: Board) -> str:
+    """Say what the board is, who is ahead, and of whom nobody can tell whether they are."""
+    name, meaning = TRACKS[board.track]
+    heading = f"Track {board.track}, {name}"
+    if board.track != "C":
+        heading += f": {board.budget:,} {_trials(board)} on each map"
+    return (
+        f"<h2>{escape(heading)}</h2><p>{escape(meaning)} {escape(size(board))}.</p>"
+        f'<p class="result">{ahead(board)}</p>'
+    )
+
+
+def ahead(board: Board) -> str:
+    """Return the sentence, as HTML, that says which agent is ahead and whether that is sure."""
+    agents = [row for row in board.ranked if row.kind == "agent"]
+    if not agents:
+        return "No agent competes here: all rows are references."
+    best, *others = agents
+    space = "\N{NO-BREAK SPACE}"
+    ends = (
+        f" (95{space}% interval {percent(best.interval[0])} to {percent(best.interval[1])})"
+        if best.interval
+        else ""
+    )
+    text = (
+        f"<strong>{escape(best.name)}</strong> is ahead with a mean gap of {percent(best.mean)}{space}%{ends}"
+    )
+    if others and board.places[others[0].name].tied:
+        return f"{text}, but is not told apart from <strong>{escape(others[0].name)}</strong>."
+    return f"{text}."
