@@ -31,6 +31,10 @@ class LedgerError(AntgymError):
     """A ledger that is damaged, in use, or that does not fit the run that wants to resume it."""
 
 
+class AgentError(AntgymError):
+    """An agent of a stranger that failed: it raised, hung, died, or answered what is no setting."""
+
+
 class ContractError(AntgymError, AssertionError):
     """An environment that does not keep the contract it is checked against."""
 

@@ -26,8 +26,9 @@ from agents.graph import TransferGraph
 from agents.static import StaticSetting, StaticSettings, race, race_by_rules
 from antgym.console import main, parse, progress
 from antgym.envs.catalogue import WORLDS
+from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
-from antgym.maps.suites import SuiteItem, load_suite
+from antgym.maps.suites import SuiteItem
 from antgym.planners.planning import are_bees
 from antgym.tuning.features import task_table
 from antgym.tuning.problem import TuningProblem
@@ -151,15 +152,25 @@ def problem(item: SuiteItem, *parts: str | int) -> TuningProblem:
 def _race(by: Callable[[Sequence[Session], Floats], _T], suite: str, preset: Preset) -> _T:
     from scipy.stats import qmc
 
-    items = load_suite(suite, "train")[: preset.race_maps]
+    items = _raced(suite, preset) if by is race_by_rules else find_items(suite, "train")[: preset.race_maps]
     candidates = qmc.Sobol(len(problem(items[0]).space), seed=0).random(preset.race_settings)
     with progress("racing for the best static settings", None) as advance:
         sessions = [WatchedSession(problem(item, "race"), preset.race_settings, advance) for item in items]
         return by(sessions, np.clip(candidates, 0, 1))
 
 
+def _raced(suite: str, preset: Preset) -> list[SuiteItem]:
+    """Return the maps of a race by rules: as those of any race, and where they lack rules, one more for each."""
+    train = find_items(suite, "train")
+    items = list(train[: preset.race_maps])
+    rest = (train[i] for i in range(len(items), len(train)))  # made only as far as they are needed
+    while lacking := set(train.rules) - {item.rules for item in items}:
+        items.append(next(item for item in rest if item.rules in lacking))
+    return items
+
+
 def _fit(suite: str, preset: Preset) -> TransferGraph:
-    items = load_suite(suite, "train")[: preset.sources]
+    items = find_items(suite, "train")[: preset.sources]
     budget = trials_needed(len(items), preset.source_search, REPEATS)
     with progress(f"fitting the transfer graph on {len(items)} maps", budget * len(items)) as advance:
         sessions = [WatchedSession(problem(item, "graph"), budget, advance) for item in items]
@@ -171,7 +182,7 @@ def _gather(suite: str, preset: Preset) -> Experience:
     """Run the published default and a Sobol design on the first train maps."""
     from scipy.stats import qmc
 
-    items = load_suite(suite, "train")[: preset.experience_maps]
+    items = find_items(suite, "train")[: preset.experience_maps]
     affordable = min(MOST_SETTINGS, preset.experience_trials // (EXPERIENCE_REPEATS * len(items)))
     design = qmc.Sobol(len(problem(items[0]).space), seed=1)
     units = np.clip(design.random_base2(affordable.bit_length() - 1), 0, 1)

@@ -1,21 +1,34 @@
 """The columns of a board: what each number means, how to sort by it and how to print it, the same on every face."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from experiments.board import Board, Row
+    from experiments.statistics import Estimate
 
 NONE = "–"
 
 
 class Column(NamedTuple):
-    """One number per row: its heading, what it means, how to sort by it (None last) and how to print it."""
+    """One number per row.
+
+    Attributes:
+        heading: of the column.
+        meaning: what the number is.
+        value: by which rows are sorted, None last.
+        text: how it is printed.
+        interval: its 95 % interval, printed in brackets; None where there is none.
+        terminal: whether a terminal shows it, too; it has no room for all.
+    """
 
     heading: str
     meaning: str
     value: Callable[["Row", "Board"], float | None]
     text: Callable[[float], str]
+    interval: Callable[["Row", "Board"], tuple[float, float] | None] = lambda row, board: None
+    terminal: bool = True
 
 
 def count(value: float) -> str:
@@ -33,6 +46,12 @@ def percent(value: float) -> str:
     return f"{100 * value:.1f}".replace("-0.0", "0.0")
 
 
+def signed_share(value: float) -> str:
+    """Print a share as whole per cent, with a minus; infinite where a resample had nothing to share."""
+    text = f"{value:.0f}".replace("inf", "∞") if math.isinf(value) else f"{round(100 * value):,}"
+    return text.replace("-", "−")
+
+
 COLUMNS = (
     Column(
         "mean gap %",
@@ -40,12 +59,39 @@ COLUMNS = (
         "counts as 100 %. In brackets its 95 % interval (bootstrap over maps).",
         lambda row, board: row.mean,
         percent,
+        lambda row, board: row.interval,
+    ),
+    Column(
+        "IQM %",
+        "Interquartile mean of the gap: the mean of the middle half of all maps and seeds, which neither the hardest "
+        "maps nor the easiest move.",
+        lambda row, board: row.interquartile,
+        percent,
+        terminal=False,
     ),
     Column(
         "success %",
         "Share of the fresh planner runs that found a path.",
         lambda row, board: row.success,
         lambda value: f"{100 * value:.0f}",
+    ),
+    Column(
+        "closed %",
+        "Share that is closed of the gap between the single best static setting (SBS, best_static) and the virtual "
+        "best (VBS, a bound): 100 % is the best that anybody recommended on each map, below 0 % is worse than one "
+        "setting for all. In brackets its 95 % interval.",
+        lambda row, board: _mean(board.closed.get(row.name)),
+        signed_share,
+        lambda row, board: _ends(board.closed.get(row.name)),
+    ),
+    Column(
+        "P(better) %",
+        "Probability of being better than SBS on a map and a seed drawn at random; ties count half. In brackets its "
+        "95 % interval.",
+        lambda row, board: _mean(board.better.get(row.name)),
+        lambda value: f"{100 * value:.0f}",
+        lambda row, board: _ends(board.better.get(row.name)),
+        terminal=False,
     ),
     Column(
         "trials per map",
@@ -56,7 +102,7 @@ COLUMNS = (
     Column(
         "trials in total",
         "Planner runs paid for this whole board: training, once, plus trials per map × number of maps.",
-        lambda row, board: row.training + row.deploy * len(board.scenarios),
+        lambda row, board: None if row.training is None else row.training + row.deploy * len(board.scenarios),
         count,
     ),
     Column(
@@ -64,12 +110,14 @@ COLUMNS = (
         "Seconds of the agent's own thinking on one new map.",
         lambda row, board: row.tuner_seconds,
         seconds,
+        terminal=False,
     ),
     Column(
         "planner s",
         "Seconds of planner runs on one new map.",
         lambda row, board: row.planner_seconds,
         seconds,
+        terminal=False,
     ),
     Column(
         "optimism",
@@ -79,19 +127,38 @@ COLUMNS = (
         lambda value: f"{100 * value:+.1f}".replace("-", "−"),
     ),
 )
-TIE = "≈ stands for a tie: the 95 % interval of the paired difference to the agent above contains 0."
+TIE = (
+    "≈ stands for a tie: the difference to the agent above, paired by map, may be chance (p > 0.05 after Holm's "
+    "correction for all places)."
+)
 
 
-def cells(row: "Row", board: "Board") -> list[str]:
-    """Return a row's printed numbers, one per column; the mean gap with its interval."""
-    values = [column.value(row, board) for column in COLUMNS]
-    texts = [NONE if v is None else column.text(v) for column, v in zip(COLUMNS, values, strict=True)]
-    if row.interval is not None:
-        low, high = map(percent, row.interval)
-        texts[0] += f" [{low}–{high}]"
-    return texts
+def cells(row: "Row", board: "Board", columns: Sequence[Column] = COLUMNS) -> list[str]:
+    """Return a row's printed numbers, one per column, with their intervals."""
+    return [_cell(row, board, column) for column in columns]
+
+
+def _cell(row: "Row", board: "Board", column: Column) -> str:
+    value, ends = column.value(row, board), column.interval(row, board)
+    if value is None:
+        return NONE
+    if ends is None:
+        return column.text(value)
+    low, high = map(column.text, ends)
+    return f"{column.text(value)} [{low}{' to ' if '−' in low + high else '–'}{high}]"
+
+
+def _mean(found: "Estimate | None") -> float | None:
+    return None if found is None else found.mean
+
+
+def _ends(found: "Estimate | None") -> tuple[float, float] | None:
+    return None if found is None else (found.low, found.high)
 
 
 def size(board: "Board") -> str:
     """Return the line that says how much data a board stands on."""
-    return f"{len(board.scenarios)} maps × {board.seeds} tuner seeds, budget {board.budget:,} trials per map"
+    if board.track == "C":
+        return f"{len(board.scenarios)} maps × {board.seeds} runs, each steered in blocks"
+    trials = "1 trial" if board.budget == 1 else f"{board.budget:,} trials"
+    return f"{len(board.scenarios)} maps × {board.seeds} tuner seeds, budget {trials} per map"

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from copy import copy
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.problem import FRESH, TuningProblem, run_together
 from antgym.tuning.session import Session
 from experiments.artefacts import derived_seed, problem, trained_argument
+from experiments.orders import ask
 
 TOGETHER = 64  # runs in lock-step: a round of them is one planner call
 
@@ -118,6 +119,18 @@ def jobs(
                     yield Job(entrant, item, seed, budget)
 
 
+class Run(Protocol):
+    """What a contest is made of: something that a ledger keeps under a key."""
+
+    @property
+    def key(self) -> str:
+        """How the ledger calls it."""
+        ...
+
+
+_Run = TypeVar("_Run", bound=Run)
+
+
 def play(todo: Iterable[Job], ledger: Ledger, fresh: int, advance: Callable[[int], None]) -> None:
     """Play what is missing of a contest: each entrant tunes many maps in lock-step, then is judged on fresh runs.
 
@@ -127,17 +140,41 @@ def play(todo: Iterable[Job], ledger: Ledger, fresh: int, advance: Callable[[int
         fresh: uncharged runs that judge a recommendation.
         advance: called with the number of jobs that are done.
     """
-    missing = []
-    for job in todo:
+
+    def together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
+        _play_together(some, runs, fresh)
+
+    play_missing(todo, ledger, together, advance, alike=lambda job: (job.budget, job.entrant.name))
+
+
+def play_missing(
+    todo: Iterable[_Run],
+    ledger: Ledger,
+    together: Callable[[Sequence[_Run], Sequence[LedgerRun]], None],
+    advance: Callable[[int], None],
+    alike: Callable[[_Run], Any] = lambda _: None,
+) -> None:
+    """Play what a ledger lacks of some jobs, a number of them in lock-step.
+
+    Args:
+        todo: jobs, those that are alike next to each other.
+        ledger: where trials and outcomes go; what it holds is replayed.
+        together: plays jobs and finishes their runs.
+        advance: called with the number of jobs that are done.
+        alike: only jobs for which this is equal are played together.
+    """
+    missing, asked = [], list(todo)
+    ask(ledger.folder, [job.key for job in asked])
+    for job in asked:
         if ledger.run(job.key).outcome is None:
             missing.append(job)
         else:
             advance(1)
-    for _, group in groupby(missing, lambda job: (job.budget, job.entrant.name)):
-        alike = list(group)
-        for first in range(0, len(alike), TOGETHER):
-            some = alike[first : first + TOGETHER]
-            _play_together(some, [ledger.run(job.key) for job in some], fresh)
+    for _, group in groupby(missing, alike):
+        same = list(group)
+        for first in range(0, len(same), TOGETHER):
+            some = same[first : first + TOGETHER]
+            together(some, [ledger.run(job.key) for job in some])
             advance(len(some))
 
 
@@ -167,6 +204,8 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -
             tuple(each.lengths.tolist()),
             tuple(p.gap(each.lengths).tolist()),
         )
+        if run.traced:
+            run.trace([each[k].best for k in range(fresh)])
         run.finish(Outcome(*outcome))
         run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
 

@@ -10,7 +10,7 @@ goes on; with more controllers, it plays those that are new.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,9 +35,9 @@ from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.run_features import observe_run
 from antgym.tuning.session import Session, steer_together
-from experiments import provenance
+from experiments import contest, provenance
 from experiments.artefacts import derived_seed, prepare, problem
-from experiments.contest import TOGETHER, enter
+from experiments.contest import enter, play_missing
 from experiments.headroom.schedules import family
 from experiments.presets import PRESETS
 from experiments.statistics import cluster_interval, paired_difference
@@ -75,6 +75,8 @@ class Entrant(NamedTuple):
     name: str
     controller: Controller
     training: int | None
+    kind: Literal["agent", "reference"] = "agent"
+    summary: str = ""
 
 
 class Job(NamedTuple):
@@ -123,15 +125,11 @@ def race(arguments: Arguments) -> str:
 
 def play(todo: Sequence[Job], ledger: Ledger, advance: Callable[[int], None]) -> None:
     """Play what is missing of a race, many runs in lock-step: a block of all of them is one planner call."""
-    missing = [job for job in todo if ledger.run(job.key).outcome is None]
-    advance(len(todo) - len(missing))
-    for first in range(0, len(missing), TOGETHER):
-        some = missing[first : first + TOGETHER]
-        _play_together(some, [ledger.run(job.key) for job in some])
-        advance(len(some))
+    play_missing(todo, ledger, _play_together, advance)
 
 
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
+    started = time.perf_counter()
     sessions = [Session(job.problem, 1, run) for job, run in zip(some, runs, strict=True)]
     thinking = 0.0
     controllers = [copy(job.entrant.controller) for job in some]
@@ -144,11 +142,12 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
         units = [_act(controller, session) for controller, session in zip(controllers, sessions, strict=True)]
         thinking += time.perf_counter() - begun
         steer_together(list(zip(sessions, units, strict=True)))
+    planning = time.perf_counter() - started - thinking
     for session, run in zip(sessions, runs, strict=True):
         (trial,) = session.trials
         gaps = session.problem.gap(np.array(session.lengths))
         run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
-        run.time(tuner=thinking / len(some))
+        run.time(tuner=thinking / len(some), planner=planning / len(some))
 
 
 def _act(controller: Controller, session: Session) -> NDArray[np.float64]:
@@ -157,12 +156,16 @@ def _act(controller: Controller, session: Session) -> NDArray[np.float64]:
 
 
 def _items(arguments: Arguments) -> list[SuiteItem]:
-    """Return the maps, no run shorter than the regime allows."""
     for name in ("seeds", "maps"):
         value = getattr(arguments, name)
         if value is not None and value < 1:
             raise ParameterError(f"--{name} {value}: needs at least one")
     items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
+    return steerable(items)
+
+
+def steerable(items: Iterable[SuiteItem]) -> list[SuiteItem]:
+    """Return the items, no run shorter than the regime allows."""
     return [item._replace(iterations=max(item.iterations, LEAST_ITERATIONS)) for item in items]
 
 
@@ -171,12 +174,30 @@ def _entrants(
 ) -> list[Entrant]:
     folder = arguments.artefacts or arguments.out / "trained"
     spent = prepare(folder, arguments.suite, PRESETS[arguments.preset], known)
+    changes = card_schedule(arguments.suite) if schedule else None
+    return steering(enter(known, folder, spent), policies, arguments.against, changes)
+
+
+def steering(
+    constants: Iterable[contest.Entrant], policies: Sequence[str], against: str, schedule: Schedule | None
+) -> list[Entrant]:
+    """Return who steers a run: agents whose recommendation stays, a schedule, and policies.
+
+    Args:
+        constants: never told of the run.
+        policies: their files, of Control or OneShot.
+        against: the one of the constants whose setting a schedule changes.
+        schedule: None for no such entrant.
+
+    Raises:
+        ParameterError: where two have the same name, or a policy cannot be read.
+    """
     found = []
-    for entrant in enter(known, folder, spent):
-        found.append(Entrant(entrant.name, ConstantController(entrant.agent), entrant.training))
-        if schedule and entrant.name == arguments.against:
-            changes = ScheduleController(entrant.agent, card_schedule(arguments.suite))
-            found.append(Entrant(SCHEDULE, changes, None))
+    for name, kind, summary, agent, training in constants:
+        found.append(Entrant(name, ConstantController(agent), training, kind, summary))
+        if schedule and name == against:
+            changed = f"{against}, changed once within the run as the card of the world says"
+            found.append(Entrant(SCHEDULE, ScheduleController(agent, schedule), None, "agent", changed))
     found += [_policy(path) for path in policies]
     names = [entrant.name for entrant in found]
     if len(set(names)) < len(names):
@@ -190,27 +211,38 @@ def _policy(path: str) -> Entrant:
     """Return a policy of Control as it steers, one of OneShot as a constant."""
     card = read_card(path)
     controller = PolicyController(path) if card.regime == "Control" else ConstantController(PolicyAgent(path))
-    return Entrant(stem_of(path).name, controller, card.evaluations + card.start_evaluations)
+    training = card.evaluations + card.start_evaluations
+    return Entrant(stem_of(path).name, controller, training, "agent", f"published policy of {card.regime}")
 
 
 def card_schedule(suite: str) -> Schedule:
     """Return the schedule that the card of a suite's world found best on train maps."""
+    found = find_schedule(suite)
+    if found is None:
+        raise ParameterError(f"no card tells of schedules on {suite}; leave {SCHEDULE!r} out")
+    return found
+
+
+def find_schedule(suite: str) -> Schedule | None:
+    """Return the schedule that the card of a suite's world found best on train maps, None where no card tells."""
     worlds = [world for world, its in WORLDS.items() if its == suite]
     card = load_card(worlds[0]) if worlds else None
     if not card or not card["dynamic"]:
-        raise ParameterError(f"no card tells of schedules on {suite}; leave {SCHEDULE!r} out")
+        return None
     names = parameter_names(load_suite(suite, "train").rules[0])
     return next(one for one in family() if one.label(names) == card["dynamic"]["schedule"])
 
 
 def _hashes(arguments: Arguments, policies: Sequence[str]) -> dict[str, str]:
     folder = arguments.artefacts or arguments.out / "trained"
-    files = {path.name: path for path in sorted(folder.glob("*.json"))}
-    for path in policies:
-        for suffix in (".json", ".safetensors"):
-            file = beside(stem_of(path), suffix)
-            files[f"policy {file.name}"] = file
-    return {name: provenance.file_hash(path) for name, path in files.items()}
+    found = {path.name: provenance.file_hash(path) for path in sorted(folder.glob("*.json"))}
+    return found | policy_hashes(policies)
+
+
+def policy_hashes(policies: Sequence[str]) -> dict[str, str]:
+    """Return the hashes of policies' files, by names that no other file of a ledger has."""
+    files = [beside(stem_of(path), suffix) for path in policies for suffix in (".json", ".safetensors")]
+    return {f"policy {file.name}": provenance.file_hash(file) for file in files}
 
 
 def gaps_of(entrant: Entrant, items: Sequence[SuiteItem], seeds: int, ledger: Ledger) -> NDArray[np.float64]:

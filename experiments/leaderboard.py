@@ -1,28 +1,35 @@
 """The leaderboard: every agent tunes the swarm on maps it has not seen, its recommendations are judged on fresh runs.
 
     python -m experiments.leaderboard --preset quick --out out/board
+    python -m experiments.leaderboard --preset quick --track A B C --suite room-v0 --split test --out out/room
 
-The maps are real terrain unless another suite is asked for; ``--suite tabu-bee-v0 --split test`` is that of the bees.
-The ledger in the folder is the result: the table and the page are computed from it. A run that was stopped, or
-killed, goes on where it was when the same command is given again.
+The maps are real terrain unless another suite is asked for; ``--suite tabu-bee-v0 --split test`` is that of the bees,
+a folder with splits one of your own. The ledger in the folder is the result: the tables and the page are computed from
+it, and computed again without a run where it is complete. A run that was stopped, or killed, goes on where it was when
+the same command is given again.
 """
 
-from dataclasses import dataclass
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Literal
-
-import tyro
+from typing import Any, Literal, NamedTuple
 
 import agents
-from antgym.console import main, progress
+from antgym.console import main, parse, progress
+from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
-from antgym.maps.suites import load_suite
+from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import Ledger
-from experiments import provenance
+from experiments import provenance, tracks
 from experiments.artefacts import prepare
-from experiments.contest import enter, jobs, play
-from experiments.presets import PRESETS
+from experiments.board import Track
+from experiments.contest import enter
+from experiments.control import policy_hashes, steerable
+from experiments.presets import PRESETS, Preset
+from experiments.tracks import ALWAYS, Job, Round
 
+PROGRAM = "python -m experiments.leaderboard"
 AGENTS = (
     "uniform_random",
     "published_default",
@@ -35,6 +42,7 @@ AGENTS = (
     "optuna_tpe",
     "optuna_race",
     "transfer_graph",
+    "copy_best_source",
     "portfolio",
     "neighbours",
     "regression",
@@ -43,7 +51,7 @@ AGENTS = (
     "transfer_gp",
     "rl",
 )
-STATIC = "best_static"
+TRAINED = "trained"  # folder of the trained agents' files below the board's
 
 
 @dataclass(frozen=True)
@@ -51,30 +59,48 @@ class Arguments:
     """Run the leaderboard, by default on real terrain, or go on with one that was stopped."""
 
     preset: Literal["smoke", "quick", "full"] = "quick"
-    """smoke: half a minute, for tests; quick: minutes, the published table; full: hours."""
+    """smoke: under a minute, for tests; quick: minutes, the published table; full: hours."""
     out: Path = Path("out/leaderboard")
-    """Folder of the ledger, of the trained agents and of index.html."""
+    """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue of agents."""
+    """Names in the catalogue of agents; some references are there with any."""
     suite: str = "mountain-v0"
-    """Suite of the maps; trained agents learn from its train split."""
+    """Suite of the maps, or a folder of them; trained agents learn from its train split."""
     split: str = "ood"
     """Split of the maps; of mountain-v0's ood, the first are real terrain."""
+    track: tuple[Track, ...] = ("A",)
+    """A: tuned on every map by itself; B: trained, then no trial or a few; C: control within a run."""
+    budgets: tuple[int, ...] = ()
+    """Trials per map; by default 1, 5, 20 and 100 in A and 0, 1, 5 and 20 in B, up to the preset's."""
+    maps: int | None = None
+    """The first so many maps of the split; by default the preset's number."""
+    controllers: tuple[str, ...] = ()
+    """Files of published policies that take part in C beside the agents."""
 
 
-def run_board(arguments: Arguments) -> Path:
-    """Run what is missing of a board, show it, and return the page."""
+class Plan(NamedTuple):
+    """What a board asks for, known before anything is trained or run.
+
+    Attributes:
+        config: of its ledger, which is refused by any other; tracks, budgets and controllers may join later.
+        versions: of what its agents depend on.
+        items: the maps.
+        preset: how much of everything.
+    """
+
+    config: dict[str, Any]
+    versions: dict[str, str]
+    items: Sequence[SuiteItem]
+    preset: Preset
+
+
+def plan_board(arguments: Arguments) -> Plan:
+    """Return what a board asks for; ParameterError on agents, suites, splits or budgets that there are not."""
+    _check(arguments)
     preset = PRESETS[arguments.preset]
-    for name in arguments.agents:
-        agents.find_card(name)
-    if len({*arguments.agents, STATIC}) <= len(arguments.agents):
-        raise ParameterError(
-            f"--agents {' '.join(arguments.agents)}: name each once; {STATIC} is always there"
-        )
-    suite = load_suite(arguments.suite, arguments.split)
-    items = suite[: preset.scenarios]
+    items = _items(arguments, preset)
     config = {
-        "sources": provenance.code_hash(),
+        "code": provenance.code_hash(),
         "preset": arguments.preset,
         **preset._asdict(),
         "suite": arguments.suite,
@@ -82,21 +108,103 @@ def run_board(arguments: Arguments) -> Path:
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
     }
-    versions = provenance.versions((*arguments.agents, STATIC))
-    with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
-        trained = arguments.out / "trained"
-        spent = prepare(trained, arguments.suite, preset, (*arguments.agents, STATIC))
-        ledger.pin(provenance.file_hashes(trained))
-        contest = enter(arguments.agents, trained, spent, references=(STATIC,))
-        todo = list(jobs(contest, items, preset.seeds, [preset.budget]))
-        with progress(
-            f"{arguments.preset} board: {len(contest)} agents, {len(items)} maps", len(todo)
-        ) as advance:
-            play(todo, ledger, preset.fresh, advance)
+    names = [*arguments.agents, *_references(arguments), *(["rl"] if arguments.controllers else [])]
+    return Plan(config, provenance.versions(names), items, preset)
+
+
+def _check(arguments: Arguments) -> None:
+    for name in arguments.agents:
+        agents.find_card(name)
+    for option, values in (("agents", arguments.agents), ("track", arguments.track)):
+        if len(set(values)) < len(values) or not values:
+            raise ParameterError(f"--{option} {' '.join(values)}: name at least one, and each once")
+    if arguments.maps is not None and arguments.maps < 1:
+        raise ParameterError(f"--maps {arguments.maps}: needs at least one")
+    if arguments.split == "train":
+        raise ParameterError("--split train: agents learn from these maps; judge on validation, test or ood")
+    for track in arguments.track:
+        _budgets(track, arguments)
+    if arguments.controllers and "C" not in arguments.track:
+        raise ParameterError("--controllers steer runs, which is track C; add --track C")
+
+
+def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
+    """Return the maps of a board, under rules that agents can learn of."""
+    maps = preset.scenarios if arguments.maps is None else arguments.maps
+    items = find_items(arguments.suite, arguments.split)[:maps]
+    lacking = {item.rules for item in items} - set(find_items(arguments.suite, "train").rules)
+    if lacking:
+        raise ParameterError(
+            f"--suite {arguments.suite}: no map of its train split is planned by the rules "
+            f"{', '.join(sorted(lacking))}, which {arguments.split} has; name rules in suite.toml, or add a map"
+        )
+    return items
+
+
+def _tracks(arguments: Arguments) -> list[Track]:
+    return [track for track in tracks.TRACKS if track in arguments.track]
+
+
+def _budgets(track: Track, arguments: Arguments) -> tuple[int, ...]:
+    return tracks.budgets_of(track, PRESETS[arguments.preset].budget, arguments.budgets)
+
+
+def _references(arguments: Arguments) -> tuple[str, ...]:
+    return tuple(name for name in ALWAYS if name not in arguments.agents)
+
+
+def enter_board(arguments: Arguments, plan: Plan) -> list[Round]:
+    """Return the rounds of a board, track by track, their entrants trained now where they are not yet."""
+    trained, references = arguments.out / TRAINED, _references(arguments)
+    spent = prepare(trained, arguments.suite, plan.preset, (*arguments.agents, *references))
+    entrants = enter(arguments.agents, trained, spent, references)
+    rounds = []
+    for track in _tracks(arguments):
+        for budget in _budgets(track, arguments):
+            if track == "C":
+                playing: Sequence[Any] = tracks.within_runs(entrants, arguments.suite, arguments.controllers)
+                items = tuple(steerable(plan.items))
+            else:
+                playing, items = tracks.per_map(track, entrants, budget), tuple(plan.items)
+            rounds.append(Round(track, budget, tuple(playing), items, plan.preset.seeds))
+    return rounds
+
+
+def board_jobs(plan: Plan, rounds: Sequence[Round]) -> list[Job]:  # noqa: ARG001 - the plan is in the rounds
+    """Return every run of a board, those that can be played together next to each other."""
+    return tracks.jobs(rounds)
+
+
+def pins(arguments: Arguments) -> dict[str, str]:
+    """Return the hashes of the files that the entrants of a board are, by name."""
+    return provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+
+
+def run_board(arguments: Arguments) -> Path:
+    """Run what is missing of a board, show it, and return the page."""
+    plan = plan_board(arguments)
+    with Ledger(arguments.out, plan.config, plan.versions, provenance.facts()) as ledger:
+        rounds = enter_board(arguments, plan)
+        ledger.pin(pins(arguments))
+        todo = board_jobs(plan, rounds)
+        title = f"{arguments.preset} board: {len(rounds)} rounds, {len(plan.items)} maps"
+        with progress(title, len(todo)) as advance:
+            tracks.play(todo, ledger, plan.preset.fresh, advance)
         from experiments.faces import show
 
-        return show(arguments.out, ledger, contest, items, preset)
+        return show(arguments.out, ledger, rounds, command(arguments))
+
+
+def command(arguments: Arguments) -> str:
+    """Return what makes a board again, as short as it goes; where it is written to is for whoever gives it."""
+    words = [*PROGRAM.split(), "--preset", arguments.preset]
+    for field in fields(Arguments)[2:]:
+        value = getattr(arguments, field.name)
+        if value != field.default:
+            values = value if isinstance(value, tuple) else (value,)
+            words += [f"--{field.name}", *map(str, values)]
+    return shlex.join(words)
 
 
 if __name__ == "__main__":
-    main(lambda: print(f"\npage: {run_board(tyro.cli(Arguments))}"))
+    main(lambda: print(f"\npage: {run_board(parse(Arguments, None, PROGRAM))}"))

@@ -6,9 +6,9 @@ from typing import NamedTuple
 class Preset(NamedTuple):
     """Sizes of one leaderboard run; all of them are part of its ledger's config."""
 
-    scenarios: int  # of the ood split; beyond 16 they are the same windows turned, no maps of their own
+    scenarios: int  # maps; of real terrain, beyond 16 they are the same windows turned, no maps of their own
     seeds: int  # tuner seeds per scenario
-    budget: int  # trials per scenario and seed
+    budget: int  # trials per scenario and seed, the largest of the tracks' budgets
     fresh: int  # uncharged runs that judge a recommendation
     policy_evaluations: int  # planner runs the RL tuner may train with
     sources: int  # maps of the transfer graph

@@ -1,43 +1,54 @@
 """The ledger: an append-only record of paid trials that survives kill -9; resuming is replaying.
 
 A folder holds ``trials.jsonl`` (deterministic fields only: two runs are equal when its sorted lines are),
-``timing.jsonl`` (seconds) and ``manifest.json`` (what ran, with which versions, where). A batch of lines is
-written, flushed and fsynced before the agent hears of it; a line cut short by a crash was never told to anybody
-and is dropped when the ledger is opened again.
+``timing.jsonl`` (seconds) and ``manifest.json`` (what ran, with which versions, where); docs/ledgers.md lists the
+fields.
+
+What is on disk when: a batch of trials is one write and one fsync before the agent hears of it, as is the outcome of
+a run and a line of seconds. A manifest is synced, put in the place of the one before, and then its folder is synced.
+So neither a killed process nor a lost power takes a trial that anybody was told of, as far as the disk keeps its word.
+A line cut short by a crash was told to nobody; it is dropped, and said to be, when the ledger is opened again. A batch
+that does not fit on the disk is taken back as a whole. A lock on ``trials.jsonl`` keeps a second process out.
+
+Schema 2 writes planner seeds, 64 bits, as strings such as "0x00f1…", for readers of JSON that know numbers as doubles
+would round them; schema 1 wrote them as numbers. A ledger goes on in the schema that it was begun in.
 """
 
 import fcntl
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from io import FileIO
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any
+
+from numpy.typing import ArrayLike
 
 from antgym.errors import LedgerError
-from antgym.tuning.session import Record, Trial
+from antgym.tuning.kept import (
+    TRIALS,
+    KeptRun,
+    Outcome,
+    enter,
+    enter_fields,
+    outcome_fields,
+    read_runs,
+    trial_fields,
+)
+from antgym.tuning.lines import append, mend, read
+from antgym.tuning.manifest import MANIFEST, SCHEMA, Manifest, read_manifest
+from antgym.tuning.session import Record
+from antgym.tuning.traces import copy_traces, write_trace
 
-SCHEMA = 1
-TRIALS, TIMING, MANIFEST = "trials.jsonl", "timing.jsonl", "manifest.json"
+__all__ = ["MANIFEST", "SCHEMA", "TIMING", "TRIALS", "KeptRun", "Ledger", "LedgerRun", "Outcome", "read_runs"]
+TIMING = "timing.jsonl"
 
 
-class Outcome(NamedTuple):
-    """How a run ended: the recommended setting, and the lengths and gaps of its fresh, uncharged runs."""
+class LedgerRun(KeptRun):
+    """A run of an open ledger: its recorded trials, and where new ones go."""
 
-    unit: tuple[float, ...]
-    lengths: tuple[float, ...]
-    gaps: tuple[float, ...]
-
-
-class LedgerRun:
-    """One agent on one problem with one seed: its recorded trials, and where new ones go."""
-
-    def __init__(self, ledger: "Ledger", key: str, records: list[Record], outcome: Outcome | None) -> None:
-        self.key = key
-        self.records = records
-        self.outcome = outcome
+    def __init__(self, ledger: "Ledger", key: str) -> None:
+        super().__init__(key)
         self._ledger = ledger
 
     def replay(self, index: int, unit: tuple[float, ...], seed: int) -> Record | None:
@@ -49,21 +60,49 @@ class LedgerRun:
             if then != now:
                 raise LedgerError(
                     f"run {self.key!r}, trial {index}: the ledger in {self._ledger.folder} holds the {what} {then}, "
-                    f"now it is {now}{self._ledger.version_changes()}; restore what changed or use another folder"
+                    f"now it is {now}{self._ledger.changes()}; restore what changed or use another folder"
                 )
         return record
 
     def append(self, records: Sequence[Record]) -> None:
         """Write trials; on return they are on disk."""
-        self._ledger.write([{"run": self.key, "kind": "trial", **_record_fields(r)} for r in records])
+        self._ledger.write(self._trial_lines(records))
         self.records.extend(records)
 
     def finish(self, outcome: Outcome) -> None:
         """Write how the run ended; on return it is on disk."""
-        lengths = [_number(length) for length in outcome.lengths]
-        fields = {"unit": list(outcome.unit), "lengths": lengths, "gaps": list(outcome.gaps)}
-        self._ledger.write([{"run": self.key, "kind": "outcome", **fields}])
+        self._ledger.write([self._outcome_line(outcome)])
         self.outcome = outcome
+
+    def lacks(self, other: KeptRun) -> list[dict[str, Any]]:
+        """Return the lines of what another ledger holds more of this run; LedgerError where the two do not agree."""
+        shorter, longer = sorted((self, other), key=lambda run: (run.outcome is not None, len(run.records)))
+        known = len(shorter.records) if shorter.outcome is None else len(longer.records)
+        if longer.records[:known] != shorter.records or shorter.outcome not in (None, longer.outcome):
+            raise LedgerError(
+                f"run {self.key!r} is another one in {self._ledger.folder} than in what should be merged with it; "
+                "one of the two was made with other code or libraries"
+            )
+        lines = self._trial_lines(other.records[len(self.records) :])
+        if self.outcome is None and other.outcome is not None:
+            lines.append(self._outcome_line(other.outcome))
+        return lines
+
+    def _trial_lines(self, records: Sequence[Record]) -> list[dict[str, Any]]:
+        schema = self._ledger.schema
+        return [{"run": self.key, "kind": "trial", **trial_fields(record, schema)} for record in records]
+
+    def _outcome_line(self, outcome: Outcome) -> dict[str, Any]:
+        return {"run": self.key, "kind": "outcome", **outcome_fields(outcome)}
+
+    @property
+    def traced(self) -> bool:
+        """Whether the ledger keeps traces."""
+        return self._ledger.traces
+
+    def trace(self, best: ArrayLike) -> None:
+        """Write the (fresh, iterations) best lengths so far of the runs that judge the recommendation."""
+        write_trace(self._ledger.folder, self.key, best)
 
     def time(self, **seconds: float) -> None:
         """Write seconds spent, apart from the deterministic record."""
@@ -80,6 +119,7 @@ class Ledger:
         config: what is run, JSON; a folder made with another config is refused.
         versions: library versions, kept from the first opening; changes are named when a replay differs.
         facts: anything else worth keeping (commit, CPU, threads), JSON.
+        traces: whether runs leave traces, see :mod:`antgym.tuning.traces`.
 
     Raises:
         LedgerError: if the folder belongs to another config or schema, is in use, or holds a damaged line.
@@ -91,20 +131,22 @@ class Ledger:
         config: Mapping[str, Any],
         versions: Mapping[str, str],
         facts: Mapping[str, Any] | None = None,
+        *,
+        traces: bool = False,
     ) -> None:
-        self.folder = Path(folder)
-        self._versions = dict(versions)
+        self.folder, self.traces = Path(folder), traces
         with ExitStack() as files:
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
                 self._trials = files.enter_context((self.folder / TRIALS).open("a+b", buffering=0))
                 self._lock()
                 self._timing = files.enter_context((self.folder / TIMING).open("a+b", buffering=0))
-                self._manifest = self._open_manifest(dict(config), dict(facts or {}))
             except OSError as error:
                 raise LedgerError(f"{self.folder} cannot hold a ledger: {error}") from None
-            _whole_lines(self._timing)
-            self._runs = self._load()
+            self._manifest = Manifest(self.folder, config, versions, facts or {})
+            mend(self._timing)
+            self._runs: dict[str, LedgerRun] = {}
+            enter(mend(self._trials), self.folder, self.run)
             self._files = files.pop_all()
 
     def __enter__(self) -> "Ledger":
@@ -118,36 +160,58 @@ class Ledger:
     @property
     def manifest(self) -> dict[str, Any]:
         """The manifest as it lies in the folder."""
-        return self._manifest
+        return self._manifest.fields
+
+    @property
+    def schema(self) -> int:
+        """In which the ledger was begun, and in which it goes on."""
+        return self._manifest.schema
 
     def run(self, key: str) -> LedgerRun:
         """Return the run of this key, with what is recorded of it."""
         if key not in self._runs:
-            self._runs[key] = LedgerRun(self, key, [], None)
+            self._runs[key] = LedgerRun(self, key)
         return self._runs[key]
 
     def runs(self) -> Iterator[LedgerRun]:
         """Return every run recorded or begun."""
         return iter(self._runs.values())
 
-    def version_changes(self) -> str:
-        """Return the clause of a message that names versions that differ from the manifest's, or nothing."""
-        then = self._manifest["versions"]
-        names = sorted(set(then) | set(self._versions))
-        changes = [
-            f"{n} {then.get(n)} -> {self._versions.get(n)}"
-            for n in names
-            if then.get(n) != self._versions.get(n)
-        ]
-        return f" (versions changed: {', '.join(changes)})" if changes else " (no library version changed)"
+    def changes(self) -> str:
+        """Return the clause of a message that names versions that differ from the manifest's."""
+        return self._manifest.changes()
+
+    def pin(self, digests: Mapping[str, str]) -> None:
+        """Tie the ledger to files by their hashes; LedgerError where one differs from what was pinned before."""
+        self._manifest.pin(digests)
+
+    def absorb(self, folder: Path) -> None:
+        """Take over what the ledger of a part holds: its trials in one write, all or none, then its seconds.
+
+        What is here already is not written again, so that a part may be absorbed twice, or while it goes on.
+
+        Raises:
+            LedgerError: if the part belongs to another config or other files, or tells of a run what this one does not.
+        """
+        manifest = read_manifest(folder)
+        self._manifest.require_part(manifest, folder)
+        lines = [line for part in read_runs(folder).values() for line in self.run(part.key).lacks(part)]
+        self._manifest.take_in(manifest)
+        copy_traces(folder, self.folder)
+        self.write(lines)
+        for line in lines:
+            enter_fields(self.run(line["run"]), line)
+        done = {line["run"] for line in lines if line["kind"] == "outcome"}
+        timing = [json.loads(line) for line in read(folder / TIMING)]
+        append(self._timing, [line for line in timing if line["run"] in done])
 
     def write(self, lines: Sequence[Mapping[str, Any]]) -> None:
         """Append lines to the trials and wait for the disk."""
-        _append(self._trials, lines)
+        append(self._trials, lines)
 
     def write_timing(self, line: Mapping[str, Any]) -> None:
         """Append a line of seconds."""
-        _append(self._timing, [line])
+        append(self._timing, [line])
 
     def _lock(self) -> None:
         try:
@@ -156,113 +220,3 @@ class Ledger:
             raise LedgerError(
                 f"{self.folder} is in use by another process; wait for it or use another folder"
             ) from None
-
-    def _open_manifest(self, config: dict[str, Any], facts: dict[str, Any]) -> dict[str, Any]:
-        path = self.folder / MANIFEST
-        config = json.loads(json.dumps(config))
-        if not path.exists():
-            manifest = {"schema": SCHEMA, "config": config, "versions": self._versions, **facts}
-            self._write_manifest(manifest)
-            return manifest
-        try:
-            found: dict[str, Any] = json.loads(path.read_text())
-        except ValueError as error:
-            raise LedgerError(f"{path} is damaged ({error}); use another folder") from None
-        if found.get("schema") != SCHEMA:
-            raise LedgerError(
-                f"{path}: schema {found.get('schema')}, this antgym reads {SCHEMA}; use another folder"
-            )
-        if found["config"] != config:
-            keys = sorted(k for k in {*found["config"], *config} if found["config"].get(k) != config.get(k))
-            then = "; ".join(f"{key}: {found['config'].get(key)}, now {config.get(key)}" for key in keys)
-            raise LedgerError(
-                f"{self.folder} was begun with other settings ({then}); use another folder, or what it was begun with"
-            )
-        return found
-
-    def pin(self, digests: Mapping[str, str]) -> None:
-        """Tie the ledger to files by their hashes; LedgerError where one differs from what was pinned before."""
-        pinned = self._manifest.setdefault("pinned", {})
-        for name, digest in digests.items():
-            if pinned.setdefault(name, digest) != digest:
-                raise LedgerError(
-                    f"{name} is not the file that the runs in {self.folder} were made with; restore it or use "
-                    "another folder"
-                )
-        self._write_manifest(self._manifest)
-
-    def _write_manifest(self, manifest: dict[str, Any]) -> None:
-        scratch = (self.folder / MANIFEST).with_suffix(".tmp")
-        scratch.write_text(json.dumps(manifest, indent=2) + "\n")
-        os.replace(scratch, self.folder / MANIFEST)
-
-    def _load(self) -> dict[str, LedgerRun]:
-        runs: dict[str, LedgerRun] = {}
-        for number, line in enumerate(_whole_lines(self._trials), start=1):
-            try:
-                fields = json.loads(line)
-                run = runs.setdefault(fields["run"], LedgerRun(self, fields["run"], [], None))
-                _enter(run, fields)
-            except (ValueError, KeyError, TypeError) as error:
-                place = f"{self.folder / TRIALS}, line {number}"
-                raise LedgerError(
-                    f"{place} is damaged ({error}); remove this line's run or use another folder"
-                ) from None
-        return runs
-
-
-def _whole_lines(file: FileIO) -> list[bytes]:
-    """Return a file's lines; one that a crash cut short is dropped: nobody was told of it."""
-    file.seek(0)
-    data = file.read()
-    whole = data.rfind(b"\n") + 1
-    if whole < len(data):
-        file.truncate(whole)
-    return data[:whole].splitlines()
-
-
-def _append(file: FileIO, lines: Sequence[Mapping[str, Any]]) -> None:
-    """Add lines and wait for the disk; where that fails, the file is what it was before."""
-    before = file.seek(0, os.SEEK_END)
-    rest = b"".join(json.dumps(line, separators=(",", ":")).encode() + b"\n" for line in lines)
-    try:
-        while rest:
-            rest = rest[file.write(rest) :]
-        os.fsync(file.fileno())
-    except BaseException as error:
-        file.truncate(before)
-        if isinstance(error, OSError):
-            advice = "nothing of this batch is kept; make room and give the same command again"
-            raise LedgerError(f"{file.name!s} cannot be written: {error.strerror}; {advice}") from None
-        raise
-
-
-def _record_fields(record: Record) -> dict[str, Any]:
-    trial = record.trial
-    return {
-        "index": trial.index,
-        "unit": list(trial.unit),
-        "cost": trial.cost,
-        "work": trial.work,
-        "length": _number(record.length),
-        "seed": record.seed,
-    }
-
-
-def _enter(run: LedgerRun, fields: Mapping[str, Any]) -> None:
-    if fields["kind"] == "outcome":
-        lengths = tuple(_length(length) for length in fields["lengths"])
-        run.outcome = Outcome(tuple(fields["unit"]), lengths, tuple(fields["gaps"]))
-        return
-    if fields["index"] != len(run.records):
-        raise ValueError(f"trial {fields['index']} where {len(run.records)} was due")
-    trial = Trial(fields["index"], tuple(fields["unit"]), fields["cost"], fields["work"])
-    run.records.append(Record(trial, _length(fields["length"]), fields["seed"]))
-
-
-def _number(length: float) -> float | None:
-    return length if length < float("inf") else None  # JSON has no infinity
-
-
-def _length(value: float | None) -> float:
-    return float("inf") if value is None else value

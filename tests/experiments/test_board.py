@@ -11,7 +11,8 @@ from rich.console import Console
 from antgym.errors import AntgymError
 from antgym.maps.suites import load_suite
 from experiments import contest, control
-from experiments.board import EXACT, to_markdown, to_table
+from experiments.board import EXACT, SBS, VBS, to_markdown, to_table
+from experiments.budgets import budgets_to_markdown, by_budget
 from experiments.columns import COLUMNS, percent
 
 
@@ -32,9 +33,18 @@ def test_rows_are_ranked_by_mean_gap_and_references_get_no_place():
 
 
 def test_an_agent_that_is_not_told_apart_from_the_one_above_is_marked_as_a_tie():
-    noise = np.array([[0.1, 0.1], [-0.1, 0.0], [0.1, 0.0], [-0.1, -0.1]])  # better on some maps only
-    rows = [constant("a", 0.4), row("b", 0.401 + noise), constant("c", 0.9)]
+    noise = np.array([[0.1, 0.1], [-0.1, -0.1]] * 5)
+    rows = [constant("a", 0.4, maps=10), row("b", 0.401 + noise), constant("c", 0.9, maps=10)]
     assert [str(place) for place in board(*rows).places.values()] == ["1", "2 ≈", "3"]
+
+
+def test_ties_are_told_for_all_places_together():
+    """A difference that two agents show is none among twelve: somebody may well be so far ahead by chance."""
+    noise = np.random.default_rng(0).normal(0, 0.03, (12, 1))
+    pair = [constant("a", 0.2, maps=12), row("b", 0.222 + noise - noise.mean())]
+    others = [constant(f"c{i}", 0.3, maps=12) for i in range(10)]
+    assert not board(*pair).places["b"].tied
+    assert board(*pair, *others).places["b"].tied
 
 
 def test_equal_agents_tie():
@@ -80,13 +90,48 @@ def test_table_fits_eighty_columns_without_losing_one():
     assert not any("…" in line for line in lines)
 
 
+def test_rows_are_measured_by_the_best_static_setting_and_the_virtual_best():
+    bounds = constant(SBS, 0.4, kind="reference"), constant(VBS, 0.2, kind="reference", training=None)
+    shown = board(constant("half", 0.3), constant("worse", 0.5), *bounds)
+    assert {name: round(found.mean, 9) for name, found in shown.closed.items()} == {
+        **{"half": 0.5, "worse": -0.5, SBS: 0.0, VBS: 1.0}
+    }
+    assert {name: found.mean for name, found in shown.better.items()} == {"half": 1, "worse": 0, VBS: 1}
+    lines = {line.split(" | ")[1]: line for line in to_markdown(shown).splitlines() if line.count("|") > 9}
+    assert "| 50 [50–50] | 100 [100–100] |" in lines["half"]
+    assert "| −50 [−50 to −50] | 0 [0–0] |" in lines["worse"]
+    assert "| 0 | – | 0.00 |" in lines[f"*{VBS}*"]
+
+
+@pytest.mark.parametrize("gaps", [{SBS: 0.2, VBS: 0.2}, {SBS: 0.2}, {VBS: 0.1}])
+def test_nothing_is_closed_where_the_two_are_not_apart(gaps):
+    shown = board(constant("a", 0.3), *(constant(name, gap, kind="reference") for name, gap in gaps.items()))
+    assert shown.closed == {}
+    assert bool(shown.better) == (SBS in gaps)
+
+
+def test_a_track_at_a_glance_by_eye():
+    one = constant("a", 0.3), constant("b", 0.2)
+    many = constant("a", 0.1), constant("b", 0.2), constant(EXACT, 0.0, kind="reference")
+    boards = [board(*one, budget=1), board(*many, budget=100)]
+    assert budgets_to_markdown(boards).splitlines() == [
+        "| mean gap % at | 1 | 100 |",
+        "| :-- | --: | --: |",
+        "| *exact planner* | – | 0.0 [0.0–0.0] |",
+        "| a | 30.0 [30.0–30.0] | 10.0 [10.0–10.0] |",
+        "| b | 20.0 [20.0–20.0] | 20.0 [20.0–20.0] |",
+    ]
+    assert "30.0 [30.0–30.0]" in printed(by_budget(boards))
+
+
 def test_markdown_by_eye():
     shown = board(constant("a", 0.1, deploy=3), constant(EXACT, 0.0, kind="reference"))
     assert to_markdown(shown).splitlines()[:4] == [
-        "| # | agent | mean gap % | success % | trials per map | trials in total | tuner s | planner s | optimism |",
-        "| --: | :-- | --: | --: | --: | --: | --: | --: | --: |",
-        "|  | *exact planner* | 0.0 [0.0–0.0] | 100 | 0 | 0 | 0.00 | 0.00 | – |",
-        "| 1 | a | 10.0 [10.0–10.0] | 100 | 3 | 12 | 0.00 | 0.00 | – |",
+        "| # | agent | mean gap % | IQM % | success % | closed % | P(better) % | trials per map | trials in total "
+        "| tuner s | planner s | optimism |",
+        f"| --: | :-- |{' --: |' * 10}",
+        "|  | *exact planner* | 0.0 [0.0–0.0] | 0.0 | 100 | – | – | 0 | 0 | 0.00 | 0.00 | – |",
+        "| 1 | a | 10.0 [10.0–10.0] | 10.0 | 100 | – | – | 3 | 12 | 0.00 | 0.00 | – |",
     ]
 
 

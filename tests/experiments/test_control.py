@@ -15,7 +15,7 @@ from agents.static import StaticSetting, StaticSettings
 from antgym.errors import LedgerError, ParameterError
 from antgym.tuning.problem import TRIAL
 from antgym.tuning.run_features import CONTROL_FEATURES
-from experiments import control
+from experiments import contest, control
 from experiments.control import Arguments, race
 
 UNIT, NAMES = (0.6, 0.9, 0.4, 0.5), ("alpha", "beta", "rho", "Q")
@@ -83,7 +83,7 @@ def test_a_policy_and_a_schedule_race_against_the_static_setting(asked, tmp_path
 def test_a_race_that_was_stopped_ends_in_the_same_ledger_and_plays_nothing_twice(asked, monkeypatch):
     whole, cut = asked("published_default", out="whole"), asked("published_default", out="cut")
     race(whole)
-    monkeypatch.setattr(control, "TOGETHER", 5)
+    monkeypatch.setattr(contest, "TOGETHER", 5)
     play, calls = control._play_together, []
 
     def stopping(some, runs):

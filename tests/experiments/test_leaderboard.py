@@ -2,11 +2,13 @@
 
 import json
 import os
+import shlex
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -16,39 +18,57 @@ pytest.importorskip("optuna")  # an agent
 pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
-from agents.graph import TransferGraph
-from agents.static import StaticSetting
+from antgym.console import parse
 from antgym.errors import LedgerError, ParameterError
-from antgym.planners.parameters import ColonyParameters
+from antgym.planners.threads import thread_count
 from antgym.tuning.ledger import MANIFEST, TRIALS
-from experiments import contest, leaderboard
-from experiments.leaderboard import STATIC, Arguments, run_board
+from experiments import contest, control, leaderboard
+from experiments.artefacts import prepare
+from experiments.leaderboard import Arguments, plan_board, run_board
 from experiments.presets import PRESETS, Preset
+from experiments.tracks import ALWAYS
 
-AGENTS = ("uniform_random", "random_search", "optuna_tpe")
-TINY = Preset(2, 2, 5, 2, 0, 3, 1, 1, 1, 1, 1)
+AGENTS = ("uniform_random", "random_search", "optuna_tpe", "neighbours")
+PLAYING = {*AGENTS, *ALWAYS}
+TINY = Preset(2, 2, 5, 2, 0, 2, 1, 2, 2, 8, 32)
+BUDGETS = {"A": (1, 5), "B": (0, 1, 5)}
 ROOT = Path(leaderboard.__file__).parents[1]
 
 
-def write_trained(folder):
-    """Artefacts of agents that need training, as small as they come: nobody here plays with them."""
-    folder.mkdir(parents=True)
-    names, unit = ColonyParameters._fields, (0.6, 0.2, 0.6, 0.6)
-    StaticSetting(unit, 7, names).save(folder / "static.json")
-    TransferGraph(("a", "b", "c"), names, (unit,) * 3, (((1.0, 1.0),) * 3,) * 3).save(folder / "graph.json")
+@pytest.fixture(scope="session")
+def trained(tmp_path_factory):
+    """Files of agents that need training, as small as they come; of the policy only what a hash can be taken of."""
+    folder = tmp_path_factory.mktemp("trained")
+    prepare(folder, "mountain-v0", TINY, ALWAYS)
     (folder / "policy.json").write_text('{"evaluations": 0}')
+    return folder
 
 
 @pytest.fixture
-def board(monkeypatch, tmp_path):
-    """A function that runs a tiny board in a folder of the given name and returns the folder."""
+def small(monkeypatch):
+    """The preset of tests."""
     monkeypatch.setitem(PRESETS, "smoke", TINY)
 
-    def run(name="board", agents=AGENTS):
-        folder = tmp_path / name
-        if not folder.exists():
-            write_trained(folder / "trained")
-        assert run_board(Arguments("smoke", folder, agents)) == folder / "index.html"
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory, trained):
+    """The folder of a board that is only looked at."""
+    folder = tmp_path_factory.mktemp("finished") / "board"
+    shutil.copytree(trained, folder / "trained")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(PRESETS, "smoke", TINY)
+        run_board(Arguments("smoke", folder, AGENTS))
+    return folder
+
+
+@pytest.fixture
+def board(small, finished, tmp_path):
+    """A function that goes on with a copy of the finished board, and returns its folder."""
+    shutil.copytree(finished, tmp_path / "board")
+
+    def run(agents=AGENTS, **others):
+        folder = tmp_path / "board"
+        assert run_board(Arguments("smoke", folder, agents, **others)) == folder / "index.html"
         return folder
 
     return run
@@ -64,62 +84,113 @@ def records(folder, kind):
     return [fields for fields in map(json.loads, lines(folder)) if fields["kind"] == kind]
 
 
-def test_threads_change_no_trial(board, monkeypatch):
-    found = []
-    for threads in "12":
-        monkeypatch.setenv("ANTGYM_THREADS", threads)
-        found.append(sorted(lines(board(threads))))
-    assert found[0] == found[1]
-
-
-def test_every_agent_plays_every_map_with_every_seed(board):
-    outcomes = records(board(), "outcome")
-    expected = {(agent, seed) for agent in (*AGENTS, STATIC) for seed in "01"}
+def test_every_agent_plays_every_map_with_every_seed_at_every_budget(finished):
+    outcomes = records(finished, "outcome")
+    expected = {(agent, str(budget), seed) for agent in PLAYING for budget in BUDGETS["A"] for seed in "01"}
     played = [tuple(fields["run"].split("/")) for fields in outcomes]
     assert len(played) == len(set(played)) == 2 * len(expected)
-    assert {(run[0], run[-1]) for run in played} == expected
+    assert {(*run[:2], run[-1]) for run in played} == expected
 
 
-def test_nobody_spends_more_than_the_budget(board):
-    spent = {}
-    for fields in records(board(), "trial"):
-        spent[fields["run"].split("/")[0]] = spent.get(fields["run"].split("/")[0], 0) + 1
-    assert spent == {"random_search": 4 * TINY.budget, "optuna_tpe": 4 * TINY.budget}
+def test_nobody_spends_more_than_the_budget(finished):
+    spent = Counter(fields["run"] for fields in records(finished, "trial"))
+    budgets = {run: int(run.split("/")[1]) for run in spent}
+    assert all(spent[run] <= budget for run, budget in budgets.items())
+    searches = [run for run in spent if run.startswith(("random_search", "optuna_tpe"))]
+    assert all(spent[run] == budgets[run] for run in searches)
+    assert len(searches) == 2 * 2 * 2 * len(BUDGETS["A"])
 
 
-def test_gaps_are_never_negative_and_never_above_the_cap(board):
-    gaps = np.array([fields["gaps"] for fields in records(board(), "outcome")])
-    assert gaps.shape == (16, TINY.fresh)
+def test_gaps_are_never_negative_and_never_above_the_cap(finished):
+    gaps = np.array([fields["gaps"] for fields in records(finished, "outcome")])
+    assert gaps.shape == (2 * 2 * len(BUDGETS["A"]) * len(PLAYING), TINY.fresh)
     assert ((gaps >= 0) & (gaps <= 1)).all()
 
 
-def test_the_page_and_the_table_show_every_agent(board):
-    folder = board()
+def test_the_page_and_the_tables_show_every_agent_and_every_reference(finished):
     for name in ("index.html", "board.md"):
-        text = (folder / name).read_text(encoding="utf-8")
-        assert all(agent in text for agent in (*AGENTS, STATIC))
+        text = (finished / name).read_text(encoding="utf-8")
+        assert all(agent in text for agent in (*PLAYING, "exact planner", "virtual best (bound)"))
 
 
-def test_a_finished_board_is_shown_again_without_a_trial(board, monkeypatch):
-    folder = board()
-    before = (folder / TRIALS).read_bytes()
-    (folder / "index.html").unlink()
+def test_other_tracks_join_the_ledger_of_a_board_and_share_what_they_can(board, finished):
+    """B's rounds with trials are A's; without a trial only those who learnt have a place; C steers single runs."""
+    folder = board(track=("C", "A", "B"))
+    before = lines(finished)
+    assert lines(folder)[: len(before)] == before
+    joined = [json.loads(line) for line in lines(folder)[len(before) :]]
+    assert {fields["run"].split("/")[1] for fields in joined if fields["run"].count("/") == 3} == {"0"}
+    steered = {fields["run"].split("/")[0] for fields in joined if fields["run"].count("/") == 2}
+    assert steered == {*ALWAYS, "neighbours", control.SCHEDULE} - {"random_search"}
+    tables = (folder / "board.md").read_text(encoding="utf-8")
+    without = tables.partition("0 trials per map")[2].partition("##")[0]
+    assert "| 1 | neighbours |" in without
+    assert "*uniform_random*" in without
+    assert "optuna_tpe" not in without
+    assert tables.count("In italics: references.") == len((*BUDGETS["A"], *BUDGETS["B"], "C"))
+
+
+def test_the_command_on_a_board_makes_it_again():
+    given = Arguments("full", Path("x"), suite="own maps", split="test", track=("A", "C"), maps=3)
+    words = shlex.split(leaderboard.command(given))
+    assert words[:3] == ["python", "-m", "experiments.leaderboard"]
+    assert parse(Arguments, [*words[3:], "--out", "x"], "board") == given
+
+
+def test_threads_change_no_trial(small, finished, trained, tmp_path, monkeypatch):
+    """ANTGYM_THREADS was whatever it is for these tests; another number leaves the same ledger."""
+    monkeypatch.setenv("ANTGYM_THREADS", "1" if thread_count() > 1 else "2")
+    shutil.copytree(trained, tmp_path / "board" / "trained")
+    run_board(Arguments("smoke", tmp_path / "board", AGENTS))
+    assert sorted(lines(tmp_path / "board")) == sorted(lines(finished))
+
+
+def test_a_finished_board_is_shown_again_without_a_trial(board, finished, monkeypatch):
     monkeypatch.setattr(contest, "tune_together", lambda *_: pytest.fail("a run was played again"))
-    board()
-    assert (folder / TRIALS).read_bytes() == before
-
-
-def test_a_board_goes_on_with_what_is_missing(board):
     folder = board()
-    whole = lines(folder)
-    (folder / TRIALS).write_text("\n".join(whole[: len(whole) // 3]) + '\n{"run":"half a li')
+    for name in (TRIALS, "timing.jsonl", "board.md", "index.html"):
+        assert (folder / name).read_bytes() == (finished / name).read_bytes()
+
+
+def test_a_board_goes_on_with_what_is_missing(board, finished, tmp_path):
+    whole = lines(finished)
+    (tmp_path / "board" / TRIALS).write_text("\n".join(whole[: len(whole) // 3]) + '\n{"run":"half a li')
     assert sorted(lines(board())) == sorted(whole)
 
 
 def test_another_set_of_agents_needs_another_folder(board):
-    board()
     with pytest.raises(LedgerError, match=r"begun with other settings .agents: "):
-        board(agents=AGENTS[:1])
+        board(AGENTS[:1])
+
+
+@pytest.mark.parametrize(
+    ("others", "message"),
+    [
+        ({"agents": ("ga", "ga")}, "--agents ga ga: name at least one, and each once"),
+        ({"track": ()}, "--track : name at least one"),
+        ({"split": "train"}, "agents learn from these maps"),
+        ({"maps": 0}, "--maps 0"),
+        ({"budgets": (0,)}, "1 or more in track A"),
+        ({"budgets": (-1,), "track": ("B",)}, "--budgets -1"),
+        ({"controllers": ("steer",)}, "add --track C"),
+        ({"suite": "no/folder"}, "no such folder"),
+    ],
+)
+def test_what_no_board_can_be_made_of_is_refused_before_anything_is_written(tmp_path, others, message):
+    with pytest.raises(ParameterError, match=message):
+        run_board(Arguments("smoke", tmp_path / "board", **others))
+    assert not (tmp_path / "board").exists()
+
+
+def test_maps_of_ones_own_need_rules_that_agents_can_learn_of(tmp_path):
+    docs = ROOT / "docs"
+    for split, names in {"train": ["hills.asc"], "test": ["hills.asc", "flat.yaml", "flat.png"]}.items():
+        (tmp_path / "own" / split).mkdir(parents=True)
+        for name in names:
+            shutil.copy(docs / name, tmp_path / "own" / split / name)
+    own = Arguments("smoke", tmp_path / "board", suite=str(tmp_path / "own"), split="test", maps=1)
+    with pytest.raises(ParameterError, match="rules ant_colony_system, which test has"):
+        plan_board(own)
 
 
 def test_an_unknown_agent_is_named_before_anything_is_written(tmp_path):
@@ -226,14 +297,40 @@ def test_a_folder_in_use_is_one_line_and_exit_code_2(begun):
     assert "in use by another process" in done.stderr
 
 
-def test_bees_have_a_board(monkeypatch, tmp_path):
-    """With every trained agent's file made in their world, and a picture of the discs."""
-    monkeypatch.setitem(
-        PRESETS, "smoke", TINY._replace(race_maps=2, race_settings=2, experience_maps=8, experience_trials=32)
+@pytest.mark.slow
+def test_threads_change_neither_a_trial_nor_a_table(tmp_path, begun):
+    """On every track, with the trained agents of one board; seconds apart, which a table holds in two columns."""
+    found = []
+    for threads in "12":
+        folder = tmp_path / threads
+        shutil.copytree(begun / "trained", folder / "trained")
+        environment = {**os.environ, "ANTGYM_THREADS": threads}
+        words = [*command(folder), "--track", "A", "B", "C"]
+        done = subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        found.append((sorted(lines(folder)), without_seconds(folder / "board.md")))
+    assert found[0] == found[1]
+    assert len(found[0][1]) > 10
+
+
+def without_seconds(path):
+    """The lines of all tables, the columns of seconds left out."""
+    shown, kept = [], []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        cells = line.split(" | ")
+        if cells[0] == "| #":
+            kept = [i for i, heading in enumerate(cells) if heading not in ("tuner s", "planner s")]
+        shown += [tuple(cells[i] for i in kept)] if len(cells) > len(kept) else [line]
+    return shown
+
+
+def test_bees_have_boards(monkeypatch, tmp_path):
+    """On every track, with every trained agent's file made in their world, and pictures of the discs."""
+    monkeypatch.setitem(PRESETS, "smoke", TINY._replace(seeds=1))
+    arguments = Arguments(
+        "smoke", tmp_path / "bees", ("portfolio",), "tabu-bee-v0", "test", ("A", "B", "C"), maps=1
     )
-    chosen = ("random_search", "portfolio")
-    page = run_board(Arguments("smoke", tmp_path / "bees", chosen, "tabu-bee-v0", "test"))
-    text = page.read_text(encoding="utf-8")
+    text = run_board(arguments).read_text(encoding="utf-8")
     assert "tabu-bee-v0, test" in text
     assert "tangents and arcs; no bees" in text
     assert "--suite tabu-bee-v0 --split test" in text

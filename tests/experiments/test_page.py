@@ -66,7 +66,7 @@ def site(tmp_path_factory):
 def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     shown = replace(fake_board(), rows=tuple(replace(one, kind="reference") for one in fake_board().rows))
-    (folder / "trials.jsonl").touch()  # references may be computed and need no runs
+    recorded([], folder)  # references may be computed and need no runs
     return write_site([shown], folder, folder).read_text(encoding="utf-8")
 
 
@@ -171,7 +171,7 @@ def test_a_number_without_its_run_is_refused(tmp_path):
         write_site(other, tmp_path, tmp_path)
     with pytest.raises(LedgerError, match="no finished run 'pso/20/map-0/0'"):
         write_site([board(row("pso"))], tmp_path, tmp_path)
-    with pytest.raises(LedgerError, match="a page is made from a ledger"):
+    with pytest.raises(LedgerError, match="is no ledger"):
         write_site(boards, tmp_path / "nowhere", tmp_path)
     assert not (tmp_path / "index.html").exists()
 

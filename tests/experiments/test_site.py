@@ -140,6 +140,16 @@ def test_a_map_shows_paths_gaps_and_the_trials_behind_a_number(page):
 
 
 @pytest.mark.slow
+def test_a_run_that_was_steered_shows_its_settings_block_by_block(page):
+    go(page, "C-0/1/0/0")
+    expect(page.locator("#run-title")).to_have_text("ga on two, seed 0")
+    rows = page.locator(".trials tbody tr").all_inner_texts()
+    assert [row.split("\t") for row in rows] == [
+        [str(i), "0.100", "0.200", "0.300", "0.400"] for i in range(1, 11)
+    ]
+
+
+@pytest.mark.slow
 def test_everything_works_by_keyboard(page):
     page.get_by_role("button", name="success").focus()
     page.keyboard.press("Enter")

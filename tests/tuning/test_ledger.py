@@ -111,7 +111,7 @@ def test_the_manifest_keeps_config_first_versions_and_facts(tmp_path):
         pass
     with opened(tmp_path, versions={"antgym": "9"}) as ledger:
         assert ledger.manifest == json.loads((tmp_path / MANIFEST).read_text())
-        assert ledger.manifest == {"schema": 1, "config": CONFIG, "versions": VERSIONS, "threads": 2}
+        assert ledger.manifest == {"schema": 2, "config": CONFIG, "versions": VERSIONS, "threads": 2}
 
 
 def test_seconds_lie_apart_from_the_trials(tmp_path):
@@ -237,7 +237,7 @@ def test_a_damaged_manifest_is_named(tmp_path):
 
 def test_another_schema_is_refused(tmp_path):
     (tmp_path / MANIFEST).write_text('{"schema": 0}')
-    with pytest.raises(LedgerError, match="schema 0, this antgym reads 1"):
+    with pytest.raises(LedgerError, match="schema 0, this antgym reads 1, 2;"):
         opened(tmp_path)
 
 
@@ -338,3 +338,13 @@ def test_a_pinned_file_may_not_change(tmp_path):
         ledger.pin({"graph.json": "aa", "policy.zip": "bb"})
         with pytest.raises(LedgerError, match=r"policy\.zip is not the file"):
             ledger.pin({"policy.zip": "cc"})
+
+
+def test_a_run_that_failed_is_kept_with_its_reason(tmp_path):
+    failed = Outcome((0.5,) * 4, (float("inf"),), (1.0,), "ask() hung")
+    with opened(tmp_path) as ledger:
+        ledger.run("bad/0").finish(failed)
+        ledger.run("good/0").finish(OUTCOME)
+    assert ["failure" in line for line in sorted_lines(tmp_path)] == [True, False]
+    with opened(tmp_path) as ledger:
+        assert ledger.run("bad/0").outcome == failed

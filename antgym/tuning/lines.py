@@ -1,0 +1,67 @@
+"""Files of JSON lines: what was appended is on disk, and a line that a crash cut short is dropped and told of."""
+
+import json
+import logging
+import os
+from collections.abc import Mapping, Sequence
+from io import FileIO
+from pathlib import Path
+from typing import Any
+
+from antgym.errors import LedgerError
+
+LOG = logging.getLogger(__name__)
+
+
+def mend(file: FileIO) -> list[bytes]:
+    """Return a file's lines; a last one that is not whole is cut off: nobody was told of it."""
+    file.seek(0)
+    data = file.read()
+    lines, rest = _whole(data)
+    if rest:
+        file.truncate(len(data) - rest)
+        LOG.warning("%s: a last line of %d bytes was cut short by a crash; it is dropped", file.name, rest)
+    return lines
+
+
+def read(path: Path) -> list[bytes]:
+    """Return the lines of a file as they are, without one at its end that is not whole (yet); none where none is."""
+    try:
+        lines, rest = _whole(path.read_bytes())
+    except FileNotFoundError:
+        return []
+    if rest:
+        LOG.warning("%s: a last line of %d bytes is not whole; it is left out", path, rest)
+    return lines
+
+
+def _whole(data: bytes) -> tuple[list[bytes], int]:
+    end = data.rfind(b"\n") + 1
+    return data[:end].splitlines(), len(data) - end
+
+
+def append(file: FileIO, lines: Sequence[Mapping[str, Any]]) -> None:
+    """Add lines and wait for the disk; where that fails, the file is what it was before."""
+    if not lines:
+        return
+    before = file.seek(0, os.SEEK_END)
+    rest = b"".join(json.dumps(line, separators=(",", ":")).encode() + b"\n" for line in lines)
+    try:
+        while rest:
+            rest = rest[file.write(rest) :]
+        os.fsync(file.fileno())
+    except BaseException as error:
+        file.truncate(before)
+        if isinstance(error, OSError):
+            advice = "nothing of this batch is kept; make room and give the same command again"
+            raise LedgerError(f"{file.name!s} cannot be written: {error.strerror}; {advice}") from None
+        raise
+
+
+def sync_folder(folder: Path) -> None:
+    """Wait until the disk has the names of a folder's files: the file alone may be lost with the power."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

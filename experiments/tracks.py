@@ -1,0 +1,122 @@
+"""The tracks of a leaderboard: who plays on each, at which budgets, and the runs that this takes.
+
+A, per map: everybody tunes every map by itself. B, after training: agents that learnt from train maps meet new ones
+without a trial or with a few. C, control: the parameters are set within one run. Runs that A and B share are played
+once, for a round of B is one of A with fewer competitors.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import agents
+from antgym.errors import ParameterError
+from antgym.maps.suites import SuiteItem
+from antgym.tuning.ledger import Ledger
+from experiments import contest, control
+from experiments.board import SBS, Track
+
+TRACKS: tuple[Track, ...] = ("A", "B", "C")
+HEADINGS: dict[str, str] = {
+    "A": "track A (tuned per map)",
+    "B": "track B (after training)",
+    "C": "track C (control within a run)",
+}
+BUDGETS: dict[Track, tuple[int, ...]] = {"A": (1, 5, 20, 100), "B": (0, 1, 5, 20)}
+"""Trials per map; each round below the preset's budget is played, and in A one at that budget."""
+SBS_BY_RULE = "best_static_by_rules"
+WITHOUT_TRIALS = ("uniform_random", "published_default", "rule_of_thumb")
+"""Agents that neither learnt nor search: in B and C to compare with."""
+SEARCH = "random_search"
+ALWAYS = (*WITHOUT_TRIALS[:2], SEARCH, SBS, SBS_BY_RULE, "copy_best_source", "regression")
+"""On every board; where they are not asked for as agents, as references without a place."""
+Entrant = contest.Entrant | control.Entrant
+Job = contest.Job | control.Job
+
+
+class Round(NamedTuple):
+    """What one board shows: entrants of a track on every map with every seed, at one budget."""
+
+    track: Track
+    budget: int
+    entrants: tuple[Any, ...]
+    items: tuple[SuiteItem, ...]
+    seeds: int
+
+    def job(self, entrant: Any, item: SuiteItem, seed: int) -> Job:
+        """Return one run."""
+        if self.track == "C":
+            return control.Job(entrant, item, seed)
+        return contest.Job(entrant, item, seed, self.budget)
+
+    @property
+    def jobs(self) -> Iterator[Job]:
+        """Every run, those that can be played together next to each other."""
+        for entrant in self.entrants:
+            for item in self.items:
+                for seed in range(self.seeds):
+                    yield self.job(entrant, item, seed)
+
+
+def budgets_of(track: Track, largest: int, asked: Sequence[int]) -> tuple[int, ...]:
+    """Return the budgets of a track's rounds, smallest first.
+
+    Args:
+        track: C has but one, the run that is steered.
+        largest: of the preset.
+        asked: trials per map that were asked for; none for the track's own.
+
+    Raises:
+        ParameterError: where nothing that was asked for is a budget of the track.
+    """
+    if track == "C":
+        return (1,)
+    least = 1 if track == "A" else 0
+    if not asked:
+        own = [budget for budget in BUDGETS[track] if budget <= largest]
+        return tuple(sorted({*own, largest} if track == "A" else own))
+    if min(asked) < 0 or max(asked) < least or len(set(asked)) < len(asked):
+        raise ParameterError(
+            f"--budgets {' '.join(map(str, asked))}: needs trials per map, each once, {least} or more in track {track}"
+        )
+    return tuple(sorted(budget for budget in asked if budget >= least))
+
+
+def _learnt(name: str) -> bool:
+    """Return whether an agent learnt before it met a new map, or may have: nothing is known of strangers."""
+    card = agents.CATALOGUE.get(name.partition(":")[0])
+    return card is None or card.trained
+
+
+def per_map(track: Track, entrants: Sequence[contest.Entrant], budget: int) -> tuple[contest.Entrant, ...]:
+    """Return who plays a round of A or B; in B who did not learn is there to compare with, or not at all."""
+    if track == "A":
+        return tuple(entrants)
+    shown = (*WITHOUT_TRIALS, SEARCH) if budget else WITHOUT_TRIALS
+    return tuple(
+        entrant if _learnt(entrant.name) else entrant._replace(kind="reference")
+        for entrant in entrants
+        if _learnt(entrant.name) or entrant.name in shown
+    )
+
+
+def within_runs(
+    entrants: Sequence[contest.Entrant], suite: str, policies: Sequence[str]
+) -> tuple[control.Entrant, ...]:
+    """Return who steers in C: what B's agents recommend without a trial, the card's schedule, and policies."""
+    constants = per_map("B", entrants, 0)
+    return tuple(control.steering(constants, policies, SBS_BY_RULE, control.find_schedule(suite)))
+
+
+def jobs(rounds: Iterable[Round]) -> list[Job]:
+    """Return the runs of some rounds, each once, those that can be played together next to each other."""
+    found: dict[str, Job] = {}
+    for played in rounds:
+        for job in played.jobs:
+            found.setdefault(job.key, job)
+    return list(found.values())
+
+
+def play(todo: Sequence[Job], ledger: Ledger, fresh: int, advance: Callable[[int], None]) -> None:
+    """Play what is missing of some runs, of whatever track."""
+    contest.play((job for job in todo if isinstance(job, contest.Job)), ledger, fresh, advance)
+    control.play([job for job in todo if isinstance(job, control.Job)], ledger, advance)

@@ -1,0 +1,80 @@
+"""Tracks: who plays at which budgets, and the bound that everybody together sets."""
+
+import numpy as np
+import pytest
+
+from antgym.maps.suites import load_suite
+from experiments import contest
+from experiments.bound import virtual_best
+from experiments.tracks import Round, budgets_of, jobs, per_map
+
+NAMES = {
+    "rl": "agent",
+    "ga": "agent",
+    "uniform_random": "agent",
+    "random_search": "agent",
+    "best_static": "reference",
+}
+ENTRANTS = tuple(contest.Entrant(name, kind, "", None, 0) for name, kind in NAMES.items())
+
+
+@pytest.mark.parametrize(
+    ("track", "largest", "asked", "budgets"),
+    [
+        ("A", 100, (), (1, 5, 20, 100)),
+        ("A", 12, (), (1, 5, 12)),
+        ("B", 100, (), (0, 1, 5, 20)),
+        ("B", 12, (), (0, 1, 5)),
+        ("A", 100, (50, 0, 2), (2, 50)),
+        ("B", 100, (50, 0, 2), (0, 2, 50)),
+        ("C", 100, (50,), (1,)),
+    ],
+)
+def test_budgets_of_a_track(track, largest, asked, budgets):
+    assert budgets_of(track, largest, asked) == budgets
+
+
+def test_on_track_b_who_did_not_learn_is_there_to_compare_with():
+    kinds = {entrant.name: entrant.kind for entrant in per_map("B", ENTRANTS, 5)}
+    assert kinds == {
+        **dict.fromkeys(("uniform_random", "random_search", "best_static"), "reference"),
+        "rl": "agent",
+    }
+    assert "random_search" not in {entrant.name for entrant in per_map("B", ENTRANTS, 0)}
+    assert per_map("A", ENTRANTS, 5) == ENTRANTS
+
+
+def test_strangers_may_have_learnt():
+    stranger = contest.Entrant("theirs/agent.py:Their", "agent", "", None, 0)
+    assert per_map("B", [stranger], 0) == (stranger,)
+
+
+def test_runs_that_two_rounds_share_are_played_once():
+    items = load_suite("mountain-v0", "test")[:2]
+    rounds = [Round("A", 5, ENTRANTS, items, 3), Round("B", 5, per_map("B", ENTRANTS, 5), items, 3)]
+    assert len(jobs(rounds)) == len(ENTRANTS) * len(items) * 3
+    rounds.append(Round("B", 0, per_map("B", ENTRANTS, 0), items, 3))
+    assert len({job.key for job in jobs(rounds)}) == (len(ENTRANTS) + 3) * len(items) * 3
+
+
+def test_the_virtual_best_by_eye():
+    """The second candidate leads but for its last run, which alone it is not chosen for."""
+    first, second = np.full((1, 3), 0.5), np.array([[0.1, 0.2, 0.9]])
+    found = virtual_best([np.stack([gaps, gaps < 0.9]) for gaps in (first, second)])
+    assert found == pytest.approx(((0.5 + 0.5 + 0.9) / 3, 2 / 3))
+
+
+def test_the_virtual_best_is_not_the_luckiest():
+    """Of a hundred equal settings the best mean is far below what any is worth; what was not looked at tells."""
+    rng = np.random.default_rng(0)
+    scores, luckiest = [], []
+    for _ in range(200):
+        gaps = rng.normal(0.5, 0.1, (100, 1, 8))
+        scores.append(virtual_best(np.stack([gaps, np.ones_like(gaps)], axis=1))[0])
+        luckiest.append(gaps.mean(axis=(1, 2)).min())
+    assert np.mean(scores) == pytest.approx(0.5, abs=0.01)
+    assert np.mean(luckiest) < 0.42
+
+
+def test_one_run_a_candidate_sets_no_bound():
+    assert virtual_best([np.zeros((2, 3, 1))]) is None
