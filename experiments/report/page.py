@@ -71,9 +71,9 @@ def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
         )
     files = {PLOTLY: _plotly(), **{name: _asset(name) for name in ASSETS}}
     looks = hues(boards)
-    runs = read_runs(ledger)
-    with progress("page", 2 * len(boards)) as advance:
-        records: dict[str, str] = {}
+    with progress("page", 1 + 2 * len(boards)) as advance:
+        runs, records = read_runs(ledger), dict[str, str]()
+        advance(1)
         for board in boards:
             records |= _records(board, runs, looks)
             advance(1)

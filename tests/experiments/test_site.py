@@ -12,9 +12,7 @@ HOSTILE = "</script><script>alert(1)</script><img src='https://evil.example/x' o
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 DESKTOP, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
-TEXTS = (
-    ".lede, .help, .result, .ranking td, .summary, .heat td, .versus td, figcaption, .tools a, .legend button"
-)
+TEXTS = ".lede, .help, .result, .ranking td, .ranking a, .card p, .heat td, .versus td, figcaption, .tools a"
 CONTRAST = """(nodes) => nodes.filter((node) => node.checkVisibility()).map((node) => {
   const paint = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
   const linear = (v) => (v > 0.04 ? ((v + 0.055) / 1.055) ** 2.4 : v / 12.92);
@@ -85,7 +83,7 @@ def go(page, address):
 
 
 def ranking(page):
-    return page.locator(".ranking tbody tr:visible th .name")
+    return page.locator(".ranking tbody tr:visible th a")
 
 
 def drawn(page, plot):
