@@ -98,6 +98,8 @@ def test_page_opens_from_a_disk_sorts_and_filters(page):
     expect(ranking(page)).to_have_text(["ga", "exact planner"])
     expect(page.locator("#filtered")).to_have_text("2 of 4")
     expect(page.locator(".versus tbody tr:visible")).to_have_count(1)
+    page.get_by_label("intervals").check()
+    expect(page.locator(".versus:visible small")).to_have_count(6)
     expect(drawn(page, "profile")).to_have_count(1)
 
 
