@@ -1,5 +1,6 @@
 """What a page calls its boards: addresses, labels, headings, and the sentence that says who is ahead."""
 
+from collections.abc import Sequence
 from html import escape
 
 from experiments.board import Board
@@ -10,6 +11,14 @@ TRACKS = {
     "B": ("after training", "Trained on other maps before; then no or a few trials on each new map."),
     "C": ("control", "The parameters change on the way, within one run; no trial is paid."),
 }
+
+
+def site_title(boards: Sequence[Board]) -> str:
+    """Return what the titles of some boards share: all, or what stands before their colon."""
+    for shared in ({board.title for board in boards}, {board.title.partition(":")[0] for board in boards}):
+        if len(shared) == 1:
+            return shared.pop()
+    return "Leaderboards"
 
 
 def board_id(board: Board) -> str:
