@@ -174,7 +174,7 @@ def to_markdown(measured: Measured, arguments: Arguments) -> str:
         counts.append(needed)
         rows.append([*front, f"{100 * resolved(found, maps, seeds):.2f}", *_cells(needed)])
     if counts:
-        middle = np.ceil(np.median(counts, axis=0)).astype(int)
+        middle = np.ceil(np.median(counts, axis=0)).astype(int).tolist()
         rows.append(["*median*", *[""] * 5, *_cells(middle)])
     trials = "" if measured.budget is None else f", {measured.budget} trials a map"
     heads = ["pair", "difference", "maps", "map × agent", "seeds", f"resolved by {maps} × {seeds}"]
