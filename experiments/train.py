@@ -23,8 +23,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import tyro
 
+from agents.choosing import digest_of, members_of, spent_on
 from agents.networks import algorithm_class, export
-from agents.published import beside, read_card
+from agents.published import beside, read_card, stem_of
 from agents.static import StaticSettings
 from antgym.console import RESUMES, Advance, main, parse, progress
 from antgym.errors import MissingExtraError, ParameterError
@@ -63,12 +64,16 @@ class Arguments:
     """Where the policy goes; .safetensors and .json are added, .checkpoints while it is made."""
     observation: Literal["features", "map", "map2d", "map3d"] = "features"
     """What the policy sees; maps are read by convolutions."""
-    action: Literal["each", "one", "setting"] | None = None
-    """Control: changes of each parameter or of one, or settings; by default the first that the algorithm learns."""
+    action: Literal["each", "one", "setting", "moved"] | None = None
+    """Control: changes of each parameter or of one, or settings; by default the first that the algorithm learns.
+    Everywhere: settings, or moves from a start."""
     start: tuple[float, ...] | None = None
-    """Control: the setting that changes begin from, a value from 0 to 1 a parameter; by default the published one."""
+    """The setting that changes or moves begin from, a value from 0 to 1 a parameter; by default the published one."""
     start_by_rules: Path | None = None
-    """Control: a file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
+    """A file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
+    start_by_policy: Path | None = None
+    """What changes begin from, chosen by a published policy of OneShot or a committee: what is learnt corrects it. Its
+    files are shipped, or lie in the folder of OUT."""
     kwargs: str = "{}"
     """Arguments of the environment as JSON: '{"suite": "room-v0", "reward": "improvement", "budget": 20}'."""
     experience: Path | None = None
@@ -126,7 +131,13 @@ def _learner(arguments: Arguments) -> Learner:
             f"split {kwargs['split']!r}: a policy is trained on train maps and judged on others"
         )
     return Learner(
-        arguments.algorithm, arguments.env, arguments.action, kwargs, _start(arguments), arguments.config
+        arguments.algorithm,
+        arguments.env,
+        arguments.action,
+        kwargs,
+        _start(arguments),
+        arguments.config,
+        arguments.start_by_policy,
     )
 
 
@@ -148,6 +159,7 @@ def _asked(arguments: Arguments) -> dict[str, Any]:
     return {
         **asked,
         "start": learner.start,
+        "follows": learner.follows and digest_of(learner.follows),
         "action": learner.how,
         "kwargs": dict(learner.kwargs),
         "settings": learner.settings,
@@ -269,7 +281,7 @@ def _facts(
         "parameters": list(names),
         "action": learner.how,
         "start": learner.start,
-        "start_evaluations": StaticSettings.load(by_rules).evaluations if by_rules else 0,
+        **_begun(learner, by_rules),
         "env": arguments.env,
         "arguments": dict(learner.kwargs),
         "evaluations": standing.evaluations,
@@ -281,6 +293,14 @@ def _facts(
         "versions": {name: version(name) for name in LIBRARIES},
         "history": standing.history,
     }
+
+
+def _begun(learner: Learner, by_rules: Path | None) -> dict[str, Any]:
+    """Return what a card says of where changes begin, and what finding that spent."""
+    if learner.follows is not None:
+        name, spent = stem_of(learner.follows).name, spent_on(members_of(learner.follows))
+        return {"follows": name, "follows_sha256": digest_of(learner.follows), "start_evaluations": spent}
+    return {"start_evaluations": StaticSettings.load(by_rules).evaluations if by_rules else 0}
 
 
 def _short(card: Any) -> dict[str, Any]:
