@@ -16,34 +16,28 @@ import json
 import math
 import time
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import tyro
 
-from agents.choosing import digest_of, members_of, spent_on
+from agents.choosing import digest_of
 from agents.networks import algorithm_class, export
-from agents.published import beside, read_card, stem_of
+from agents.published import beside, read_card
 from agents.static import StaticSettings
 from antgym.console import RESUMES, Advance, main, parse, progress
 from antgym.errors import MissingExtraError, ParameterError
-from antgym.maps.suites import load_suite
-from antgym.planners.planning import are_bees
-from antgym.planners.swarms import parameter_names
 from antgym.tuning.actions import Start
-from antgym.tuning.features import task_table
-from antgym.tuning.run_features import control_table
 from antgym.tuning.seeding import child_states
 from experiments.checkpoints import Checkpoints, Standing, require_same
 from experiments.learners import Learner, parsed
 from experiments.provenance import file_hash
 from experiments.replay import Replayed
+from experiments.training import facts, short
 from experiments.validation import Validation
 
 LEGS = 10
-LIBRARIES = ("antgym", "numpy", "gymnasium", "sb3-contrib", "stable-baselines3", "torch")
 SEED_LIMIT = 1 << 32  # of NumPy's old generator, which stable-baselines3 seeds
 _LEG = 11  # seed domain
 
@@ -106,11 +100,15 @@ def train(arguments: Arguments) -> dict[str, Any]:
         card = read_card(finished)
         require_same(finished, card.settings.get("asked", {}), json.loads(json.dumps(asked)))
         kept.remove()  # where it was killed right before
-        return {"finished": str(finished), **_short(card)}
+        return {"finished": str(finished), **short(card)}
     model = _run(learner, arguments, kept)
-    card = export(kept.best(model), arguments.out, **_facts(learner, arguments, kept.standing, asked))
+    card = export(
+        kept.best(model),
+        arguments.out,
+        **facts(learner, arguments.start_by_rules, kept.standing, seed=arguments.seed, asked=asked),
+    )
     kept.remove()
-    return _short(card)
+    return short(card)
 
 
 def _check(arguments: Arguments) -> None:
@@ -265,56 +263,6 @@ def _titled(title: str, standing: Standing) -> str:
     if not standing.history:
         return title
     return f"{title}: validation gap {standing.history[-1][1]:.3f}, at best {standing.lowest:.3f}"
-
-
-def _facts(
-    learner: Learner, arguments: Arguments, standing: Standing, asked: dict[str, Any]
-) -> dict[str, Any]:
-    regime, by_rules = learner.entry.regime, arguments.start_by_rules
-    rules = load_suite(learner.suite, "train").rules
-    bees, names = are_bees(rules), parameter_names(rules[0])
-    features = control_table(bees, names) if regime == "Control" else task_table(bees)
-    return {
-        "regime": regime,
-        "window": learner.kwargs.get("window", 5) if regime == "Trials" else 0,
-        "features": [feature.name for feature in features],
-        "parameters": list(names),
-        "action": learner.how,
-        "start": learner.start,
-        **_begun(learner, by_rules),
-        "env": arguments.env,
-        "arguments": dict(learner.kwargs),
-        "evaluations": standing.evaluations,
-        "validation_runs": standing.validation_runs,
-        "validation_gap": standing.lowest,
-        "seconds": standing.seconds,
-        "seed": arguments.seed,
-        "settings": {**learner.settings, "asked": asked},
-        "versions": {name: version(name) for name in LIBRARIES},
-        "history": standing.history,
-    }
-
-
-def _begun(learner: Learner, by_rules: Path | None) -> dict[str, Any]:
-    """Return what a card says of where changes begin, and what finding that spent."""
-    if learner.follows is not None:
-        name, spent = stem_of(learner.follows).name, spent_on(members_of(learner.follows))
-        return {"follows": name, "follows_sha256": digest_of(learner.follows), "start_evaluations": spent}
-    return {"start_evaluations": StaticSettings.load(by_rules).evaluations if by_rules else 0}
-
-
-def _short(card: Any) -> dict[str, Any]:
-    names = (
-        "algorithm",
-        "env",
-        "regime",
-        "seed",
-        "evaluations",
-        "validation_runs",
-        "validation_gap",
-        "seconds",
-    )
-    return {**{name: getattr(card, name) for name in names}, "history": card.history}
 
 
 def script() -> None:
