@@ -8,6 +8,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agents.catalogue import CATALOGUE, Card
@@ -24,7 +25,12 @@ def find_card(name: str) -> Card:
 
     A trained agent may be named with a file of its own behind a colon: ``"rl:NAME"`` is ``rl`` by another name, which
     harnesses give NAME.json. So policies of several trainings take part beside each other.
+
+    ``"path/to/my_agent.py:MyAgent"`` is an agent of one's own, or of a stranger, which is played in a process of its
+    own; the folder of a submission is what was submitted.
     """
+    if name not in CATALOGUE and (foreign := _foreign_card(name)):
+        return foreign
     known, _, file = name.partition(":")
     if known not in CATALOGUE or (":" in name and not (file and CATALOGUE[known].trained)):
         raise ParameterError(f"unknown agent {name!r}; {nearest(name, tuple(CATALOGUE))}")
@@ -50,6 +56,21 @@ def make(name: str, **overrides: Any) -> "Agent":
     _check_arguments(name, build, kwargs)
     agent: Agent = build(**kwargs)
     return agent
+
+
+def _foreign_card(name: str) -> Card | None:
+    """Return the card of an agent from a file or of a submission, None where the name is of neither kind."""
+    if name.partition(":")[0].endswith(".py"):
+        from agents.stranger import find_class
+
+        file, kind, summary = find_class(name)
+        made_with = {"file": str(file), "kind": kind}
+        return Card(name, "agents.stranger:Stranger", made_with, summary, files=(file,))
+    if "/" in name or Path(name).is_dir():
+        from agents.submission import card_of
+
+        return card_of(name)
+    return None
 
 
 def to_markdown() -> str:

@@ -78,7 +78,8 @@ ARGUMENTS: dict[str, Callable[[Any], bool]] = {
     "features_extractor_kwargs": lambda value: (
         isinstance(value, dict) and set(value) <= {"width"} and all(map(_is_count, value.values()))
     ),
-    **dict.fromkeys(("n_quantiles", "n_critics", "lstm_hidden_size", "n_lstm_layers"), _is_count),
+    **dict.fromkeys(("n_quantiles", "lstm_hidden_size"), _is_count),
+    **dict.fromkeys(("n_critics", "n_lstm_layers"), lambda value: is_whole(value, 1, 8)),  # each a net
     **dict.fromkeys(
         ("enable_critic_lstm", "shared_lstm", "ortho_init", "with_bias", "squash_output"), _is_bool
     ),

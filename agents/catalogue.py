@@ -1,6 +1,7 @@
 """The catalogue of agents: one card each, bound to strings, so that listing them imports no library."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 
@@ -15,6 +16,8 @@ class Card(NamedTuple):
         needs: extra of antgym that holds its libraries, or None.
         trained: whether it needs a fitted artefact, which ``make`` must be given.
         libraries: distributions that its results depend on, numpy apart.
+        files: that an agent from outside the catalogue consists of.
+        training: planner runs that whoever submitted it says its making spent.
     """
 
     name: str
@@ -24,11 +27,13 @@ class Card(NamedTuple):
     needs: str | None = None
     trained: bool = False
     libraries: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
+    training: int = 0
 
 
 _OPTUNA, _TRANSFER = "agents.bayesian:OptunaSearch", "agents.transfer:TransferAgent"
 _PYMOO, _CMAES = ("pymoo",), ("optuna", "cmaes")
-_RL = ("safetensors", "sb3-contrib", "stable-baselines3", "torch")
+RL_LIBRARIES = ("safetensors", "sb3-contrib", "stable-baselines3", "torch")
 _CARDS = (
     Card(
         "best_static",
@@ -239,7 +244,7 @@ _CARDS = (
         "published policy (stable-baselines3), no trial, or trials that it picks one by one",
         "rl",
         trained=True,
-        libraries=_RL,
+        libraries=RL_LIBRARIES,
     ),
     Card(
         "rl_committee",
@@ -248,7 +253,7 @@ _CARDS = (
         "the mean of what several published policies recommend, no trial",
         "rl",
         trained=True,
-        libraries=_RL,
+        libraries=RL_LIBRARIES,
     ),
 )
 CATALOGUE: dict[str, Card] = {card.name: card for card in _CARDS}

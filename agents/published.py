@@ -5,7 +5,7 @@ Reading one runs nothing of it: the JSON is checked field by field, and weights 
 
 import hashlib
 import json
-import math
+import sys
 from collections.abc import Callable
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from pathlib import Path
@@ -86,7 +86,7 @@ def is_whole(value: Any, low: int = 0, high: int = _LARGEST) -> bool:
 
 def is_number(value: Any) -> bool:
     """Whether this is a finite number, and no bool."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 def _is_text(value: Any) -> bool:

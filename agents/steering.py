@@ -50,11 +50,11 @@ class ConstantController:
     """
 
     def __init__(self, agent: Agent) -> None:
-        self._agent = agent
+        self.agent = agent
 
     def reset(self, task: Task, *, seed: int) -> None:
         """Let the agent choose."""
-        agent = copy(self._agent)  # what training left is shared, what a task brings is not
+        agent = copy(self.agent)  # what training left is shared, what a task brings is not
         agent.reset(replace(task, budget=0), seed=seed)
         self._setting = np.asarray(agent.recommend(), dtype=np.float64)
 

@@ -86,7 +86,7 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         "neural.json": lambda path: _fit_nets(_experience(folder, suite, preset)).save(path),
         "policy.json": lambda path: _train(path, suite, preset),
     }
-    wanted = _files(names)
+    wanted = files_needed(names)
     for name, make in steps.items():
         if name in wanted and not (folder / name).exists():
             make(folder / name)
@@ -107,10 +107,10 @@ def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
         "policy.json": _policy_evaluations,
         "committee.json": Committee.evaluations,
     }
-    return {name: evaluations[kind](folder / name) for name, kind in sorted(_files(names).items())}
+    return {name: evaluations[kind](folder / name) for name, kind in sorted(files_needed(names).items())}
 
 
-def _files(names: Sequence[str]) -> dict[str, str]:
+def files_needed(names: Sequence[str]) -> dict[str, str]:
     """Return the files that these agents need, and by what name each is known where it has none of its own."""
     cards = [card for card in map(agents.find_card, names) if card.trained]
     kinds = [ARGUMENTS[card.entry_point][1] for card in cards]

@@ -17,7 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from antgym.errors import AntgymError
-from experiments.columns import COLUMNS, TIE, cells, size
+from experiments.columns import COLUMNS, TIE, cells, headline, size
 from experiments.statistics import (
     Estimate,
     cluster_interval,
@@ -55,6 +55,7 @@ class Row:
         planner_seconds: seconds of planner runs on a new map, mean.
         optimism: mean of re-evaluated − observed gap; None where nothing was observed.
         card: whatever else there is to say about it; shown as it is.
+        failure: how many of its runs its own failure ended, and how; empty where none did.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Row:
     planner_seconds: float
     optimism: float | None
     card: dict[str, Any]
+    failure: str = ""
 
     def __post_init__(self) -> None:
         if not self.gaps or not self.gaps[0] or len({len(seeds) for seeds in self.gaps}) > 1:
@@ -152,7 +154,7 @@ class Board:
     """A leaderboard: every row on the same scenarios.
 
     Attributes:
-        title: headline.
+        title: of what it is on, the same for all boards of a site.
         track: "A": tuned on each map by itself; "B": trained, then none or a few trials on each map; "C": control
             within one run.
         command: what makes this board again.
@@ -247,7 +249,8 @@ def _ties(agents: Sequence[Row]) -> list[bool]:
 
 def to_table(board: Board) -> Table:
     """Return the board for a terminal; references stand in their order, dim and without a place."""
-    table = Table(title=Text(board.title), caption=f"{size(board)}. {TIE}", box=SIMPLE_HEAD, padding=0)
+    caption = Text("\n".join([f"{size(board)}. {TIE}", *failures(board)]))
+    table = Table(title=Text(headline(board)), caption=caption, box=SIMPLE_HEAD, padding=0)
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("agent", overflow="fold")
     shown = [column for column in COLUMNS if column.terminal]
@@ -268,9 +271,15 @@ def to_markdown(board: Board) -> str:
         name, reference = plain(row.name), row.kind == "reference"
         place = "" if reference else str(board.places[row.name])
         lines.append(markdown_line([place, f"*{name}*" if reference else name, *cells(row, board)]))
-    return "\n".join(
-        [*lines, "", f"{size(board)}. In brackets 95 % intervals. {TIE} In italics: references.", ""]
-    )
+    lines += ["", f"{size(board)}. In brackets 95 % intervals. {TIE} In italics: references.", ""]
+    for failure in failures(board):
+        lines += [plain(failure), ""]
+    return "\n".join(lines)
+
+
+def failures(board: Board) -> list[str]:
+    """Return what there is to say of agents whose runs failed, a line each."""
+    return [f"{row.name}: {row.failure}." for row in board.ranked if row.failure]
 
 
 def markdown_line(texts: Sequence[str]) -> str:

@@ -18,13 +18,13 @@ Floats = NDArray[np.float64]
 
 
 def virtual_best(candidates: Sequence[Floats]) -> tuple[float, float] | None:
-    """Return the gap and the success of a map's best candidate, cross-fitted; None for one run a candidate.
+    """Return the gap and the success of a map's best candidate, cross-fitted; None without two runs of one.
 
     Args:
         candidates: (2, seeds, n) each, gaps and whether they found a path (1 or 0); n the same for all of them, the
             numbers of seeds of their own.
     """
-    folds = candidates[0].shape[2]
+    folds = candidates[0].shape[2] if candidates else 0
     if folds < 2:
         return None
     scored = np.array([each.mean(axis=1) for each in candidates])  # (candidates, 2, folds)
@@ -38,7 +38,7 @@ def candidates(rounds: Sequence[Round], item: int, ledger: Ledger) -> list[Float
     """Return the fresh runs of every setting that anybody recommended on a map, for :func:`virtual_best`.
 
     Of one setting each seed's runs count once, whoever recommended it. In track C a candidate is a controller, and
-    what it steered, a run for every seed, are its runs.
+    what it steered, a run for every seed, are its runs. An agent that failed recommended nothing.
     """
     found: dict[tuple[float, ...] | str, dict[int, Floats]] = {}
     for played in rounds:
@@ -47,7 +47,11 @@ def candidates(rounds: Sequence[Round], item: int, ledger: Ledger) -> list[Float
                 job = played.job(entrant, played.items[item], seed)
                 outcome = ledger.run(job.key).outcome
                 assert outcome is not None, f"{job.key} is not finished"
+                if outcome.failure and played.track != "C":  # nothing was recommended
+                    continue
                 name = outcome.unit if isinstance(job, contest.Job) else entrant.name
                 found.setdefault(name, {})[seed] = np.array([outcome.gaps, np.isfinite(outcome.lengths)])
     runs = [np.stack(list(seeds.values()), axis=1) for seeds in found.values()]
-    return [each.transpose(0, 2, 1) for each in runs] if rounds[0].track == "C" else runs
+    if rounds[0].track != "C":
+        return runs
+    return [each.transpose(0, 2, 1) for each in runs if each.shape[1] == rounds[0].seeds]

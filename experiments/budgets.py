@@ -7,12 +7,12 @@ from rich.table import Table
 from rich.text import Text
 
 from experiments.board import Board, Row, markdown_line, plain
-from experiments.columns import NONE, percent
+from experiments.columns import NONE, by_budget_headline, percent
 
 
 def by_budget(boards: Sequence[Board]) -> Table:
     """Return the table for a terminal; the agents in the order of the last board."""
-    table = Table(title=Text("Mean gap % by trials per map"), box=SIMPLE_HEAD, padding=0)
+    table = Table(title=Text(by_budget_headline(boards[-1])), box=SIMPLE_HEAD, padding=0)
     table.add_column("agent", overflow="fold")
     for board in boards:
         table.add_column(f"{board.budget:,}", justify="right", overflow="fold")

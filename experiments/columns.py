@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from experiments.statistics import Estimate
 
 NONE = "–"
+TRACKS = {"A": "tuned per map", "B": "after training", "C": "control within a run"}
 
 
 class Column(NamedTuple):
@@ -156,9 +157,26 @@ def _ends(found: "Estimate | None") -> tuple[float, float] | None:
     return None if found is None else (found.low, found.high)
 
 
+def headline(board: "Board") -> str:
+    """Return the title of a board among those of other tracks and budgets."""
+    return f"{_track(board)}, {_trials(board)} per map" if board.track != "C" else _track(board)
+
+
+def by_budget_headline(board: "Board") -> str:
+    """Return the title of the table that shows all budgets of a board's track."""
+    return f"{_track(board)}, mean gap % by trials per map"
+
+
+def _track(board: "Board") -> str:
+    return f"{board.title}: track {board.track} ({TRACKS[board.track]})"
+
+
+def _trials(board: "Board") -> str:
+    return "1 trial" if board.budget == 1 else f"{board.budget:,} trials"
+
+
 def size(board: "Board") -> str:
     """Return the line that says how much data a board stands on."""
     if board.track == "C":
         return f"{len(board.scenarios)} maps × {board.seeds} runs, each steered in blocks"
-    trials = "1 trial" if board.budget == 1 else f"{board.budget:,} trials"
-    return f"{len(board.scenarios)} maps × {board.seeds} tuner seeds, budget {trials} per map"
+    return f"{len(board.scenarios)} maps × {board.seeds} tuner seeds, budget {_trials(board)} per map"

@@ -8,17 +8,28 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 import agents
-from antgym.errors import LedgerError
+from agents.stranger import CALL_SECONDS, Stranger
+from agents.submission import TableAgent
+from antgym.errors import AgentError, LedgerError, ParameterError
 from antgym.maps.suites import SuiteItem
+from antgym.planners.plans import Plans
 from antgym.tuning.agent import Agent, Result, tune_together
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
-from antgym.tuning.problem import FRESH, TuningProblem, run_together
-from antgym.tuning.session import Session
+from antgym.tuning.problem import FRESH, GAP_CAP, Task, TuningProblem, run_together
+from antgym.tuning.session import Record, Session
+from experiments import provenance
 from experiments.artefacts import derived_seed, problem, trained_argument
 from experiments.orders import ask
 
+Floats = NDArray[np.float64]
+STRANGER = "agents.stranger:Stranger"
+UNLIKE = (
+    "answered otherwise than before the board was stopped: its draws have to follow from reset's seed alone"
+)
+DEFAULT = 0.5  # of every parameter: the published one
 TOGETHER = 64  # runs in lock-step: a round of them is one planner call
 
 
@@ -57,55 +68,110 @@ class Job(NamedTuple):
 
 
 class Stopwatch:
-    """A copy of an agent, and the seconds spent inside it."""
+    """A copy of an agent, the seconds spent inside it, and how it failed, if it is a stranger's and did.
 
-    def __init__(self, agent: Agent) -> None:
-        self._agent = copy(agent)  # what training left is shared, what a task brings is not
+    An agent that failed asks for nothing more, and stands with the published default, which is not its own answer.
+
+    Args:
+        agent: is copied: what training left is shared, what a task brings is not.
+        kept: what the ledger holds of its trials from before the board was stopped.
+    """
+
+    def __init__(self, agent: Agent, kept: Sequence[Record]) -> None:
+        self._agent, self._kept, self._told = copy(agent), kept, 0
         self.seconds = 0.0
+        self.failure = ""
 
     def _timed(self, name: str, *args: Any, **kwargs: Any) -> Any:
+        if self.failure:
+            return self._nothing
         begun = time.perf_counter()
         try:
             return getattr(self._agent, name)(*args, **kwargs)
+        except AgentError as error:
+            self.failure = str(error)
+            return self._nothing
         finally:
             self.seconds += time.perf_counter() - begun
 
-    def reset(self, task: Any, *, seed: int) -> None:
+    def reset(self, task: Task, *, seed: int) -> None:
         """Pass on."""
+        self._nothing = np.empty((0, len(task.space)))
         self._timed("reset", task, seed=seed)
 
     def ask(self) -> Any:
-        """Pass on."""
-        return self._timed("ask")
+        """Pass on; a stranger that asks for something else than before the board was stopped has failed."""
+        units = self._timed("ask")
+        if isinstance(self._agent, Stranger) and not self.failure:
+            before = [list(record.trial.unit) for record in self._kept[self._told : self._told + len(units)]]
+            if before != units[: len(before)].tolist():
+                self.failure = f"{self._agent.name}: ask() {UNLIKE}"
+                return self._nothing
+        return units
 
     def tell(self, trials: Any) -> None:
         """Pass on."""
+        self._told += len(trials)
         self._timed("tell", trials)
 
     def recommend(self) -> Any:
         """Pass on."""
-        return self._timed("recommend")
+        found = self._timed("recommend")
+        return np.full(self._nothing.shape[1], DEFAULT) if self.failure else found
+
+    def stop(self) -> None:
+        """End a stranger's process; what it computed between calls is counted too."""
+        if isinstance(self._agent, Stranger):
+            self._agent.close()
+            self.seconds = max(self.seconds, self._agent.cpu)
+
+
+def told(agent: Agent, item: SuiteItem) -> Agent:
+    """Return an agent; a submitted table is told which map it is asked about, since no task says so."""
+    return agent.on(item.name) if isinstance(agent, TableAgent) else agent
 
 
 def enter(
-    names: Sequence[str], folder: Path, spent: dict[str, int], references: Sequence[str] = ()
+    names: Sequence[str],
+    folder: Path,
+    spent: dict[str, int],
+    references: Sequence[str] = (),
+    call_seconds: float = CALL_SECONDS,
 ) -> list[Entrant]:
     """Return entrants with the artefacts of a folder: first agents, then references.
 
     Args:
-        names: agents of the catalogue.
+        names: agents of the catalogue, ``path/to/file.py:ClassName`` of strangers', and folders of submissions.
         folder: where their artefacts are.
         spent: what each artefact's training spent.
         references: agents of the catalogue that take no place.
+        call_seconds: that a stranger's agent may take for one call.
     """
+    if not call_seconds > 0:
+        raise ParameterError(f"--call-seconds {call_seconds}: an agent needs more than 0 seconds for a call")
     out = []
     for name in (*names, *references):
         card = agents.find_card(name)
-        argument = trained_argument(name, folder)
-        training = sum(spent[path.name] for path in argument.values())
+        argument: dict[str, Any] = trained_argument(name, folder)
+        training = card.training + sum(spent[path.name] for path in argument.values())
+        if card.entry_point == STRANGER:
+            argument["seconds"] = call_seconds
         kind: Literal["agent", "reference"] = "reference" if name in references else "agent"
         out.append(Entrant(name, kind, card.summary, agents.make(name, **argument), training))
     return out
+
+
+def foreign_files(names: Sequence[str]) -> dict[str, str]:
+    """Return the hashes of strangers' files and submissions by name, which a ledger is tied to."""
+    cards = [card for card in map(agents.find_card, names) if card.files]
+    return {f"{card.name} ({path.name})": provenance.file_hash(path) for card in cards for path in card.files}
+
+
+def failures(outcomes: Sequence[Outcome]) -> str:
+    """Return how many runs of an agent failed and how the first did; empty where none did."""
+    said = [outcome.failure for outcome in outcomes if outcome.failure]
+    count = f"{len(said)} of {len(outcomes)} runs failed and count as if they had found no path"
+    return f"{count}, the first because {said[0]}" if said else ""
 
 
 def jobs(
@@ -181,33 +247,56 @@ def play_missing(
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -> None:
     begun = time.perf_counter()
     problems = [job.problem for job in some]
-    watches = [Stopwatch(job.entrant.agent) for job in some]
-    results = _tune(some, problems, watches, runs)
-    tuning = time.perf_counter() - begun - sum(watch.seconds for watch in watches)
-    for run, result in zip(runs, results, strict=True):
-        if len(result.trials) < len(run.records):
+    watches = [
+        Stopwatch(told(job.entrant.agent, job.item), run.records) for job, run in zip(some, runs, strict=True)
+    ]
+    try:
+        results = _tune(some, problems, watches, runs)
+        tuning = time.perf_counter() - begun - sum(watch.seconds for watch in watches)
+    finally:
+        for watch in watches:
+            watch.stop()
+    for run, result, watch in zip(runs, results, watches, strict=True):
+        if len(result.trials) < len(run.records) and not watch.failure:
             raise LedgerError(
                 f"{run.key}: the ledger holds {len(run.records)} trials, now it stops at {len(result.trials)}"
             )
     begun = time.perf_counter()
-    units = [result.recommendation for result in results]
-    requests = [
-        (p, np.repeat(unit[None], fresh, axis=0), FRESH, 0) for p, unit in zip(problems, units, strict=True)
-    ]
-    plans = run_together(requests)
+    judged = _judge(problems, [result.recommendation for result in results], watches, fresh)
     judging = (time.perf_counter() - begun) / len(some)
     work = np.array([sum(trial.work for trial in result.trials) for result in results])
     shares = work / max(1, work.sum())  # of the batches' wall time: single runs have none of their own
-    for i, (run, p, each) in enumerate(zip(runs, problems, plans, strict=True)):
-        outcome = (
-            tuple(units[i].tolist()),
-            tuple(each.lengths.tolist()),
-            tuple(p.gap(each.lengths).tolist()),
-        )
-        if run.traced:
-            run.trace([each[k].best for k in range(fresh)])
-        run.finish(Outcome(*outcome))
-        run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
+    with runs[0].hold():
+        for i, (run, (outcome, plans)) in enumerate(zip(runs, judged, strict=True)):
+            if run.traced and plans is not None:
+                run.trace([plans[k].best for k in range(fresh)])
+            run.finish(outcome)
+            run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
+
+
+def _judge(
+    problems: Sequence[TuningProblem], units: Sequence[Floats], watches: Sequence[Stopwatch], fresh: int
+) -> list[tuple[Outcome, Plans | None]]:
+    """Run recommendations on fresh seeds; return outcomes, and the runs of those whose agents did not fail."""
+    sound = [i for i, watch in enumerate(watches) if not watch.failure]
+    requests = [(problems[i], np.repeat(units[i][None], fresh, axis=0), FRESH, 0) for i in sound]
+    ran = dict(zip(sound, run_together(requests), strict=True))
+    judged: list[tuple[Outcome, Plans | None]] = []
+    for i, (unit, watch) in enumerate(zip(units, watches, strict=True)):
+        plans = ran.get(i)
+        if plans is None:
+            judged.append((failed(len(unit), fresh, watch.failure), None))
+        else:
+            gaps = problems[i].gap(plans.lengths)
+            judged.append(
+                (Outcome(tuple(unit.tolist()), tuple(plans.lengths.tolist()), tuple(gaps.tolist())), plans)
+            )
+    return judged
+
+
+def failed(dimension: int, runs: int, failure: str) -> Outcome:
+    """Return how a run ends whose agent failed: as if no path were found, for a crash must not pay."""
+    return Outcome((DEFAULT,) * dimension, (np.inf,) * runs, (GAP_CAP,) * runs, failure)
 
 
 def _tune(

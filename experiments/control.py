@@ -28,7 +28,7 @@ from antgym.console import main, parse, progress, write_whole
 from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
-from antgym.errors import ParameterError
+from antgym.errors import AgentError, ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.planners.swarms import parameter_names
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
@@ -37,7 +37,7 @@ from antgym.tuning.run_features import observe_run
 from antgym.tuning.session import Session, steer_together
 from experiments import contest, provenance
 from experiments.artefacts import derived_seed, prepare, problem
-from experiments.contest import enter, play_missing
+from experiments.contest import enter, failed, play_missing, told
 from experiments.headroom.schedules import family
 from experiments.presets import PRESETS
 from experiments.statistics import cluster_interval, paired_difference
@@ -96,6 +96,14 @@ class Job(NamedTuple):
         """What is planned; the same planner seed for every entrant."""
         return problem(self.item, "control", self.seed)
 
+    @property
+    def controller(self) -> Controller:
+        """A copy of the entrant's controller for this run alone."""
+        controller = copy(self.entrant.controller)
+        if isinstance(controller, ConstantController):
+            controller.agent = told(controller.agent, self.item)
+        return controller
+
 
 def race(arguments: Arguments) -> str:
     """Play what is missing, write the table and return it."""
@@ -129,25 +137,32 @@ def play(todo: Sequence[Job], ledger: Ledger, advance: Callable[[int], None]) ->
 
 
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
-    started = time.perf_counter()
-    sessions = [Session(job.problem, 1, run) for job, run in zip(some, runs, strict=True)]
-    thinking = 0.0
-    controllers = [copy(job.entrant.controller) for job in some]
-    for job, session, controller in zip(some, sessions, controllers, strict=True):
+    started, thinking = time.perf_counter(), 0.0
+    sessions, controllers, sound = [], [], []
+    for job, run in zip(some, runs, strict=True):
+        session, controller = Session(job.problem, 1, run), job.controller
+        try:
+            seed = derived_seed(job.entrant.name, job.item.scenario.digest, job.seed)
+            controller.reset(session.task, seed=seed)
+        except AgentError as error:
+            run.finish(failed(len(session.task.space), 1, str(error)))
+            continue
         session.open(BLOCKS)
-        seed = derived_seed(job.entrant.name, job.item.scenario.digest, job.seed)
-        controller.reset(session.task, seed=seed)
+        sessions.append(session)
+        controllers.append(controller)
+        sound.append(run)
     for _ in range(BLOCKS):
         begun = time.perf_counter()
         units = [_act(controller, session) for controller, session in zip(controllers, sessions, strict=True)]
         thinking += time.perf_counter() - begun
         steer_together(list(zip(sessions, units, strict=True)))
     planning = time.perf_counter() - started - thinking
-    for session, run in zip(sessions, runs, strict=True):
-        (trial,) = session.trials
-        gaps = session.problem.gap(np.array(session.lengths))
-        run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
-        run.time(tuner=thinking / len(some), planner=planning / len(some))
+    with runs[0].hold():
+        for session, run in zip(sessions, sound, strict=True):
+            (trial,) = session.trials
+            gaps = session.problem.gap(np.array(session.lengths))
+            run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
+            run.time(tuner=thinking / len(some), planner=planning / len(some))
 
 
 def _act(controller: Controller, session: Session) -> NDArray[np.float64]:

@@ -11,10 +11,11 @@ from antgym.console import write_whole
 from antgym.tuning.ledger import Ledger
 from experiments.board import Board, to_markdown, to_table
 from experiments.budgets import budgets_to_markdown, by_budget
+from experiments.columns import by_budget_headline, headline
 from experiments.pictures import draw
 from experiments.report.page import write_site
 from experiments.rows import bound_row, exact_row, read_clocks, time_exact, to_row
-from experiments.tracks import HEADINGS, Round
+from experiments.tracks import Round
 
 
 def show(folder: Path, ledger: Ledger, rounds: Sequence[Round], command: str) -> Path:
@@ -36,7 +37,7 @@ def show(folder: Path, ledger: Ledger, rounds: Sequence[Round], command: str) ->
         if len(track) > 1:
             console.print(by_budget(track))
     write_whole(folder / "board.md", _markdown(tracks, command).encode())
-    return write_site(boards, ledger.folder, folder)
+    return write_site([board for track in tracks for board in reversed(track)], folder, folder)
 
 
 def to_board(played: Round, rounds: Sequence[Round], ledger: Ledger, command: str) -> Board:
@@ -60,25 +61,15 @@ def to_board(played: Round, rounds: Sequence[Round], ledger: Ledger, command: st
 
 
 def _title(played: Round, config: dict[str, Any]) -> str:
-    if played.track == "C":
-        return _heading(played, config)
-    return f"{_heading(played, config)}, {'1 trial' if played.budget == 1 else f'{played.budget:,} trials'} per map"
-
-
-def _heading(played: Round, config: dict[str, Any]) -> str:
     real = all(item.family == "terrain" for item in played.items)
-    where = "Real terrain" if real else f"{config['suite']}, {config['split']}"
-    return f"{where}: {HEADINGS[played.track]}"
+    return "Real terrain" if real else f"{config['suite']}, {config['split']}"
 
 
 def _markdown(tracks: Sequence[Sequence[Board]], command: str) -> str:
     """Return every board as Markdown, the largest budget of a track first, and the command that makes them."""
     parts = []
     for track in tracks:
-        parts += [part for board in reversed(track) for part in (f"## {board.title}", to_markdown(board))]
+        parts += [part for board in reversed(track) for part in (f"## {headline(board)}", to_markdown(board))]
         if len(track) > 1:
-            parts += [
-                f"## Mean gap by trials per map: {HEADINGS[track[0].track]}",
-                budgets_to_markdown(track),
-            ]
+            parts += [f"## {by_budget_headline(track[-1])}", budgets_to_markdown(track)]
     return "\n\n".join([*(part.rstrip() for part in parts), f"```sh\n{command}\n```"]) + "\n"

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import agents
+from agents.stranger import CALL_SECONDS
 from antgym.console import main, parse, progress
 from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
@@ -24,7 +25,7 @@ from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
 from experiments.artefacts import prepare
 from experiments.board import Track
-from experiments.contest import enter
+from experiments.contest import Entrant, enter, foreign_files
 from experiments.control import policy_hashes, steerable
 from experiments.presets import PRESETS, Preset
 from experiments.tracks import ALWAYS, Job, Round
@@ -63,7 +64,8 @@ class Arguments:
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue of agents; some references are there with any."""
+    """Names in the catalogue, path/to/file.py:ClassName of your own, folders of submissions; some references are there
+    with any."""
     suite: str = "mountain-v0"
     """Suite of the maps, or a folder of them; trained agents learn from its train split."""
     split: str = "ood"
@@ -76,6 +78,8 @@ class Arguments:
     """The first so many maps of the split; by default the preset's number."""
     controllers: tuple[str, ...] = ()
     """Files of published policies that take part in C beside the agents."""
+    call_seconds: float = CALL_SECONDS
+    """Seconds that an agent of your own may take for one call; then its run has failed, and the board goes on."""
 
 
 class Plan(NamedTuple):
@@ -108,7 +112,7 @@ def plan_board(arguments: Arguments) -> Plan:
         "maps": [item.scenario.digest[:16] for item in items],
         "agents": list(arguments.agents),
     }
-    names = [*arguments.agents, *_references(arguments), *(["rl"] if arguments.controllers else [])]
+    names = [*names_of(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)
 
 
@@ -153,11 +157,29 @@ def _references(arguments: Arguments) -> tuple[str, ...]:
     return tuple(name for name in ALWAYS if name not in arguments.agents)
 
 
+def names_of(arguments: Arguments) -> tuple[str, ...]:
+    """Return who plays: the agents that are asked for, then references."""
+    return *arguments.agents, *_references(arguments)
+
+
 def enter_board(arguments: Arguments, plan: Plan) -> list[Round]:
     """Return the rounds of a board, track by track, their entrants trained now where they are not yet."""
     trained, references = arguments.out / TRAINED, _references(arguments)
-    spent = prepare(trained, arguments.suite, plan.preset, (*arguments.agents, *references))
-    entrants = enter(arguments.agents, trained, spent, references)
+    spent = prepare(trained, arguments.suite, plan.preset, names_of(arguments))
+    entrants = enter(arguments.agents, trained, spent, references, arguments.call_seconds)
+    return board_rounds(arguments, plan, entrants)
+
+
+def untrained_board(arguments: Arguments, plan: Plan) -> list[Round]:
+    """Return the rounds of a board with an agent that needs nothing in the place of every other, to count its runs."""
+    nobody = agents.make("published_default")
+    return board_rounds(
+        arguments, plan, [Entrant(name, "agent", "", nobody, 0) for name in names_of(arguments)]
+    )
+
+
+def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) -> list[Round]:
+    """Return the rounds that entrants play, track by track."""
     rounds = []
     for track in _tracks(arguments):
         for budget in _budgets(track, arguments):
@@ -177,7 +199,8 @@ def board_jobs(plan: Plan, rounds: Sequence[Round]) -> list[Job]:  # noqa: ARG00
 
 def pins(arguments: Arguments) -> dict[str, str]:
     """Return the hashes of the files that the entrants of a board are, by name."""
-    return provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+    files = provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+    return files | foreign_files(arguments.agents)
 
 
 def run_board(arguments: Arguments) -> Path:

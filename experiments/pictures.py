@@ -40,7 +40,12 @@ def _picture(played: Round, names: set[str], item: SuiteItem, ledger: Ledger) ->
     paths, lengths = {EXACT: shortest_path(scenario)}, {EXACT: scenario.optimum}
     for entrant in played.entrants:
         if entrant.name in names:
-            plan = _walk(played.job(entrant, item, 0), ledger)
+            job = played.job(entrant, item, 0)
+            outcome = ledger.run(job.key).outcome
+            assert isinstance(outcome, Outcome)
+            if outcome.failure:  # nothing was recommended
+                continue
+            plan = _walk(job, outcome)
             lengths[entrant.name] = plan.length
             if plan.solved:
                 paths[entrant.name] = plan.path
@@ -53,10 +58,8 @@ def _picture(played: Round, names: set[str], item: SuiteItem, ledger: Ledger) ->
     )
 
 
-def _walk(job: Job, ledger: Ledger) -> Plan:
+def _walk(job: Job, outcome: Outcome) -> Plan:
     """Walk the first fresh run of a recommendation again, or the run that was steered."""
-    outcome = ledger.run(job.key).outcome
-    assert isinstance(outcome, Outcome)
     if isinstance(job, contest.Job):
         return job.problem.run(np.array([outcome.unit]), FRESH, 0).plan(0)
     session = Session(job.problem, 1)

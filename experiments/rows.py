@@ -16,6 +16,7 @@ from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, LedgerRun
 from experiments.board import EXACT, VBS, Row
 from experiments.bound import candidates, virtual_best
+from experiments.contest import failures
 from experiments.tracks import Entrant, Job, Round
 
 Clocks = Mapping[str, Mapping[str, float]]
@@ -29,11 +30,11 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
     outcomes = [run.outcome for run in runs if run.outcome is not None]
     assert len(outcomes) == len(runs), f"{entrant.name} is not finished"
     gaps = np.array([np.mean(outcome.gaps) for outcome in outcomes]).reshape(len(played.items), -1)
-    spent = [clocks.get(run.key, {}) for run in runs]
+    spent, failure = [clocks.get(run.key, {}) for run in runs], failures(outcomes)
     return Row(
         name=entrant.name,
         kind=entrant.kind,
-        summary=entrant.summary,
+        summary=f"{entrant.summary}; {failure}" if failure else entrant.summary,
         gaps=tuple(tuple(row) for row in gaps.tolist()),
         success=float(np.mean([np.isfinite(outcome.lengths).mean() for outcome in outcomes])),
         deploy=float(np.mean([len(run.records) for run in runs])),
@@ -42,6 +43,7 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
         planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in spent])),
         optimism=None if played.track == "C" else _optimism(jobs, runs),
         card=_card(entrant),
+        failure=failure,
     )
 
 
@@ -51,7 +53,7 @@ def _optimism(jobs: Sequence[Job], runs: Sequence[LedgerRun]) -> float | None:
     for job, run in zip(jobs, runs, strict=True):
         assert run.outcome is not None
         seen = [record.length for record in run.records if record.trial.unit == run.outcome.unit]
-        if seen:
+        if seen and not run.outcome.failure:
             found.append(np.mean(run.outcome.gaps) - job.problem.gap(np.array(seen)).mean())
     return float(np.mean(found)) if found else None
 

@@ -3,6 +3,7 @@
     python -m experiments.sweep --preset quick --out out/sweep --backend loky --jobs 8
     python -m experiments.sweep --preset quick --out out/sweep --shard 2/16      # one of a job array's 16 tasks
     python -m experiments.sweep --preset quick --out out/sweep --merge           # when they are done
+    python -m experiments.sweep --preset full --dry-run                          # what it would take
 
 Every option of the leaderboard is one here. What comes out is the leaderboard's ledger, line for line, whatever the
 backend, the number of jobs and of shards: ``experiments.leaderboard`` with the same options shows it. Given again, a
@@ -56,6 +57,10 @@ class Arguments(leaderboard.Arguments):
     """Runs that a worker plays in lock-step; fewer spread better, more have fewer planner calls."""
     traces: bool = False
     """Keep the best lengths so far of the judging runs."""
+    dry_run: bool = False
+    """Run nothing; say what it would take, on 1, 100 and 10,000 cores."""
+    timed: Path | None = None
+    """With --dry-run: a board whose seconds tell what agents think; else that is left out."""
 
 
 class Sweep:
@@ -63,8 +68,7 @@ class Sweep:
 
     def __init__(self, arguments: Arguments) -> None:
         self.arguments = arguments
-        names = [field.name for field in fields(leaderboard.Arguments)]
-        self.board = leaderboard.Arguments(**{name: getattr(arguments, name) for name in names})
+        self.board = board_of(arguments)
         with _training(arguments.out):
             self.plan, runs = board_runs(self.board)
         self.keys = [job.key for job in runs]
@@ -76,6 +80,12 @@ class Sweep:
             ledger.pin(leaderboard.pins(self.board))
             ask(folder, self.keys)
             yield ledger
+
+
+def board_of(arguments: Arguments) -> leaderboard.Arguments:
+    """Return the leaderboard's part of a sweep's arguments."""
+    names = [field.name for field in fields(leaderboard.Arguments)]
+    return leaderboard.Arguments(**{name: getattr(arguments, name) for name in names})
 
 
 @contextmanager
@@ -95,6 +105,10 @@ def sweep(arguments: Arguments) -> str:
         LedgerError: if runs are missing in the end; what is done is kept.
     """
     _check(arguments)
+    if arguments.dry_run:
+        from experiments.costs import estimate
+
+        return estimate(board_of(arguments), arguments.timed)
     if arguments.merge:
         return merge(Sweep(arguments))
     shard = Shard.parse(arguments.shard) if arguments.shard else None
@@ -110,6 +124,8 @@ def sweep(arguments: Arguments) -> str:
 def _check(arguments: Arguments) -> None:
     if arguments.merge and arguments.shard:
         raise ParameterError("--shard plays a part, --merge puts parts together; give one of them")
+    if arguments.timed and not arguments.dry_run:
+        raise ParameterError("--timed is for --dry-run; add it, or leave --timed out")
     if arguments.scheduler and arguments.backend != "dask":
         raise ParameterError(
             f"--scheduler is Dask's, and --backend is {arguments.backend}; add --backend dask"

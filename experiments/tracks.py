@@ -16,11 +16,6 @@ from experiments import contest, control
 from experiments.board import SBS, Track
 
 TRACKS: tuple[Track, ...] = ("A", "B", "C")
-HEADINGS: dict[str, str] = {
-    "A": "track A (tuned per map)",
-    "B": "track B (after training)",
-    "C": "track C (control within a run)",
-}
 BUDGETS: dict[Track, tuple[int, ...]] = {"A": (1, 5, 20, 100), "B": (0, 1, 5, 20)}
 """Trials per map; each round below the preset's budget is played, and in A one at that budget."""
 SBS_BY_RULE = "best_static_by_rules"

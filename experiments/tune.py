@@ -45,7 +45,7 @@ class Arguments(MapFile):
     """
 
     agent: str = "optuna_tpe"
-    """Name in the catalogue of agents; an unknown name lists them all."""
+    """Name in the catalogue of agents, or path/to/file.py:ClassName of yours; an unknown name lists them all."""
     budget: int = 20
     """Planner runs that the agent may pay for, from 0 up."""
     artefacts: Path | None = None
@@ -161,7 +161,10 @@ def summary(arguments: Arguments, gaps: list[float]) -> str:
 
 def _config(problem: TuningProblem, arguments: Arguments) -> dict[str, Any]:
     """Return what decides a trial; a folder goes on only with the same."""
-    paths = trained_argument(arguments.agent, arguments.artefacts).values()
+    paths = [
+        *trained_argument(arguments.agent, arguments.artefacts).values(),
+        *agents.find_card(arguments.agent).files,
+    ]
     learnt = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in paths}
     effort = {"rules": problem.rules, "ants": problem.ants, "iterations": problem.iterations}
     asked = {name: getattr(arguments, name) for name in ("agent", "budget", "seed")}

@@ -4,9 +4,10 @@ A folder holds ``trials.jsonl`` (deterministic fields only: two runs are equal w
 ``timing.jsonl`` (seconds) and ``manifest.json`` (what ran, with which versions, where); docs/ledgers.md lists the
 fields.
 
-What is on disk when: a batch of trials is one write and one fsync before the agent hears of it, as is the outcome of
-a run and a line of seconds. A manifest is synced, put in the place of the one before, and then its folder is synced.
-So neither a killed process nor a lost power takes a trial that anybody was told of, as far as the disk keeps its word.
+What is on disk when: a batch of trials is one write and one fsync before the agent hears of it, and so are the batches
+of runs that tune in lock-step, round by round; then their outcomes, and their seconds. A manifest is synced, put in
+the place of the one before, and then its folder is synced. So neither a killed process nor a lost power takes a trial
+that anybody was told of, as far as the disk keeps its word.
 A line cut short by a crash was told to nobody; it is dropped, and said to be, when the ledger is opened again. A batch
 that does not fit on the disk is taken back as a whole. A lock on ``trials.jsonl`` keeps a second process out.
 
@@ -16,11 +17,11 @@ would round them; schema 1 wrote them as numbers. A ledger goes on in the schema
 
 import fcntl
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -65,14 +66,16 @@ class LedgerRun(KeptRun):
         return record
 
     def append(self, records: Sequence[Record]) -> None:
-        """Write trials; on return they are on disk."""
-        self._ledger.write(self._trial_lines(records))
-        self.records.extend(records)
+        """Write trials; on return they are on disk, unless they are held."""
+        self._ledger.write(self._trial_lines(records), lambda: self.records.extend(records))
 
     def finish(self, outcome: Outcome) -> None:
-        """Write how the run ended; on return it is on disk."""
-        self._ledger.write([self._outcome_line(outcome)])
-        self.outcome = outcome
+        """Write how the run ended; on return it is on disk, unless it is held."""
+        self._ledger.write([self._outcome_line(outcome)], lambda: setattr(self, "outcome", outcome))
+
+    def hold(self) -> AbstractContextManager[None]:
+        """Let what is written within be one write of the ledger, of this run and of others."""
+        return self._ledger.hold()
 
     def lacks(self, other: KeptRun) -> list[dict[str, Any]]:
         """Return the lines of what another ledger holds more of this run; LedgerError where the two do not agree."""
@@ -106,9 +109,16 @@ class LedgerRun(KeptRun):
 
     def time(self, **seconds: float) -> None:
         """Write seconds spent, apart from the deterministic record."""
-        self._ledger.write_timing(
-            {"run": self.key, **{name: round(value, 6) for name, value in seconds.items()}}
-        )
+        rounded = {name: round(value, 6) for name, value in seconds.items()}
+        self._ledger.write_timing({"run": self.key, **rounded})
+
+
+class _Held(NamedTuple):
+    """What is not on disk yet: lines of trials, of seconds, and who takes note of the trials when they are."""
+
+    trials: list[Mapping[str, Any]]
+    timing: list[Mapping[str, Any]]
+    then: list[Callable[[], None]]
 
 
 class Ledger:
@@ -135,6 +145,7 @@ class Ledger:
         traces: bool = False,
     ) -> None:
         self.folder, self.traces = Path(folder), traces
+        self._holds, self._held = 0, _Held([], [], [])
         with ExitStack() as files:
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
@@ -198,20 +209,47 @@ class Ledger:
         lines = [line for part in read_runs(folder).values() for line in self.run(part.key).lacks(part)]
         self._manifest.take_in(manifest)
         copy_traces(folder, self.folder)
-        self.write(lines)
-        for line in lines:
-            enter_fields(self.run(line["run"]), line)
+        self.write(lines, lambda: self._enter(lines))
         done = {line["run"] for line in lines if line["kind"] == "outcome"}
         timing = [json.loads(line) for line in read(folder / TIMING)]
-        append(self._timing, [line for line in timing if line["run"] in done])
+        self.write_timing(*(line for line in timing if line["run"] in done))
 
-    def write(self, lines: Sequence[Mapping[str, Any]]) -> None:
-        """Append lines to the trials and wait for the disk."""
-        append(self._trials, lines)
+    def _enter(self, lines: Sequence[Mapping[str, Any]]) -> None:
+        for line in lines:
+            enter_fields(self.run(line["run"]), line)
 
-    def write_timing(self, line: Mapping[str, Any]) -> None:
-        """Append a line of seconds."""
-        append(self._timing, [line])
+    @contextmanager
+    def hold(self) -> Iterator[None]:
+        """Let what is written within be one write: on disk, all or nothing, when the outermost block ends.
+
+        A hundred runs in lock-step so wait for the disk once a round. A block that raises leaves nothing.
+        """
+        self._holds += 1
+        try:
+            yield
+            if self._holds == 1:
+                self._flush()
+        finally:
+            self._holds -= 1
+            if not self._holds:
+                self._held = _Held([], [], [])
+
+    def write(self, lines: Sequence[Mapping[str, Any]], then: Callable[[], None]) -> None:
+        """Append lines to the trials and wait for the disk; then call what takes note of them."""
+        with self.hold():
+            self._held.trials.extend(lines)
+            self._held.then.append(then)
+
+    def write_timing(self, *lines: Mapping[str, Any]) -> None:
+        """Append lines of seconds."""
+        with self.hold():
+            self._held.timing.extend(lines)
+
+    def _flush(self) -> None:
+        append(self._trials, self._held.trials)
+        for then in self._held.then:
+            then()
+        append(self._timing, self._held.timing)
 
     def _lock(self) -> None:
         try:

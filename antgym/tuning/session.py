@@ -1,6 +1,7 @@
 """Sessions: the only place where planner effort is spent, and the one evaluation counter."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from itertools import islice
 from typing import Any, NamedTuple, Protocol
 
@@ -46,7 +47,11 @@ class Journal(Protocol):
         ...
 
     def append(self, records: Sequence[Record]) -> None:
-        """Keep records; on return they survive a crash."""
+        """Keep records; on return, or when the outermost :meth:`hold` ends, they survive a crash."""
+        ...
+
+    def hold(self) -> AbstractContextManager[None]:
+        """Let what is kept within be one write, of several journals where they lie together."""
         ...
 
 
@@ -189,10 +194,11 @@ def evaluate_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[tup
     _require_different(sessions)
     claims = [session._claim(batch) for session, batch in zip(sessions, batches, strict=True)]
     new = iter(_run([request for _, request in claims]))
-    return [
-        session._settle(replayed, list(islice(new, len(request[1]))))
-        for session, (replayed, request) in zip(sessions, claims, strict=True)
-    ]
+    with _hold(sessions):
+        return [
+            session._settle(replayed, list(islice(new, len(request[1]))))
+            for session, (replayed, request) in zip(sessions, claims, strict=True)
+        ]
 
 
 def steer_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[OpenTrial]:
@@ -221,10 +227,21 @@ def steer_together(requests: Iterable[tuple[Session, ArrayLike]]) -> list[OpenTr
             f"{len(settings)} settings for {len(trials)} trials; each takes one for its next block"
         )
     walk_together(trials, settings, decode_together(spaces, settings))
-    for session, trial in zip(sessions, trials, strict=True):
-        if trial.over:
-            session._close()
+    with _hold(sessions):
+        for session, trial in zip(sessions, trials, strict=True):
+            if trial.over:
+                session._close()
     return trials
+
+
+@contextmanager
+def _hold(sessions: Iterable[Session]) -> Iterator[None]:
+    """Let what journals keep of several sessions be one write."""
+    with ExitStack() as stack:
+        for session in sessions:
+            if session._journal is not None:
+                stack.enter_context(session._journal.hold())
+        yield
 
 
 def _require_different(sessions: Sequence[Session]) -> None:

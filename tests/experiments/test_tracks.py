@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from antgym.maps.suites import load_suite
+from antgym.tuning.ledger import Ledger, Outcome
 from experiments import contest
-from experiments.bound import virtual_best
+from experiments.bound import candidates, virtual_best
 from experiments.tracks import Round, budgets_of, jobs, per_map
 
 NAMES = {
@@ -70,11 +71,23 @@ def test_the_virtual_best_is_not_the_luckiest():
     scores, luckiest = [], []
     for _ in range(200):
         gaps = rng.normal(0.5, 0.1, (100, 1, 8))
-        scores.append(virtual_best(np.stack([gaps, np.ones_like(gaps)], axis=1))[0])
+        scores.append(virtual_best(list(np.stack([gaps, np.ones_like(gaps)], axis=1)))[0])
         luckiest.append(gaps.mean(axis=(1, 2)).min())
     assert np.mean(scores) == pytest.approx(0.5, abs=0.01)
     assert np.mean(luckiest) < 0.42
 
 
-def test_one_run_a_candidate_sets_no_bound():
-    assert virtual_best([np.zeros((2, 3, 1))]) is None
+@pytest.mark.parametrize("pool", [[], [np.zeros((2, 3, 1))]])
+def test_without_two_runs_of_one_there_is_no_bound(pool):
+    assert virtual_best(pool) is None
+
+
+def test_an_agent_that_failed_recommended_nothing(tmp_path):
+    """Not even the setting that stands in its outcome, which another agent recommended."""
+    played = Round("A", 5, ENTRANTS[:2], load_suite("mountain-v0", "test")[:1], 1)
+    sound, broken = played.jobs
+    with Ledger(tmp_path, {}, {}) as ledger:
+        ledger.run(sound.key).finish(Outcome((contest.DEFAULT,) * 4, (1.0, 1.0), (0.1, 0.2)))
+        ledger.run(broken.key).finish(contest.failed(4, 2, "hung"))
+        (found,) = candidates([played], 0, ledger)
+    assert found.tolist() == [[[0.1, 0.2]], [[1.0, 1.0]]]

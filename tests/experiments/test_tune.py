@@ -15,7 +15,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("optuna")
 
 from antgym import cli, plan_file
-from antgym.errors import BudgetError, LedgerError, ParameterError
+from antgym.errors import AgentError, BudgetError, LedgerError, ParameterError
 from antgym.tuning.ledger import TRIALS
 from experiments import artefacts, tune
 from experiments.tune import Arguments
@@ -60,7 +60,7 @@ def test_the_setting_is_judged_on_runs_that_no_trial_was(tmp_path, monkeypatch, 
         json.loads(line)["seed"] for line in (tmp_path / "way.trials" / TRIALS).read_text().splitlines()
     ]
     assert len(seen) == len(set(seen)) == 3
-    assert not set(seen) & {seed >> 32 for seed in trials}
+    assert not set(seen) & {int(seed, 16) >> 32 for seed in trials}
     assert "6 trials" in capsys.readouterr().out
 
 
@@ -188,3 +188,11 @@ def test_help_teaches():
     assert done.returncode == 0
     for word in ("--start", "--agent", "--budget", "--artefacts", "experiments.artefacts", "fresh"):
         assert word in done.stdout
+
+
+def test_an_agent_of_ones_own_tunes_a_map_and_one_that_fails_is_one_line(tmp_path, capsys):
+    zoo = ROOT / "tests" / "agents" / "zoo.py"
+    assert tune.run(arguments(tmp_path, agent=f"{zoo}:Honest")) in (0, 1)
+    assert "zoo.py:Honest, 6 trials" in capsys.readouterr().out
+    with pytest.raises(AgentError, match=r"zoo.py:Dies: ask\(\) ended its process"):
+        tune.run(arguments(tmp_path, agent=f"{zoo}:Dies", out=tmp_path / "other"))

@@ -77,3 +77,64 @@ def test_nobody_is_charged_where_an_agent_or_a_session_appears_twice():
 
 def test_no_run_is_no_result():
     assert tune_together([]) == []
+
+
+class Answers:
+    """An agent in the harness's own process that answers the same whatever happens."""
+
+    def __init__(self, asks=(0.5,) * 4, recommends=(0.5,) * 4, on_tell=lambda task, trials: None):
+        self.asks, self.recommends, self.on_tell = np.array(asks), recommends, on_tell
+
+    def reset(self, task, *, seed):
+        self.task = task
+
+    def ask(self):
+        return self.asks
+
+    def tell(self, trials):
+        self.on_tell(self.task, trials)
+
+    def recommend(self):
+        return self.recommends
+
+
+def cheapen(task, trials):
+    trials[0].cost = 0.0
+
+
+def redescribe(task, trials):
+    task.features[0] = 0.0
+
+
+def grant(task, trials):
+    task.budget = 1000
+
+
+def peek(task, trials):
+    return trials[0].seed
+
+
+@pytest.mark.parametrize(
+    ("adversary", "error", "message"),
+    [
+        (Answers(asks=[[np.nan] * 4]), ParameterError, "alpha = nan lies outside"),
+        (Answers(asks=[[0.5] * 3]), ParameterError, r"shape \(k, 4\).* got \(1, 3\)"),
+        (Answers(asks=[[0.5, 2.0, 0.5, 0.5]]), ParameterError, "beta = 2.0 lies outside"),
+        (Answers(recommends=[np.inf] * 4), ParameterError, "alpha = inf lies outside"),
+        (Answers(recommends=[0.5] * 5), ParameterError, r"got \(1, 5\)"),
+        (Answers(on_tell=cheapen), AttributeError, "can't set attribute"),
+        (Answers(on_tell=redescribe), ValueError, "read-only"),
+        (Answers(on_tell=grant), AttributeError, "cannot assign to field 'budget'"),
+        (Answers(on_tell=peek), AttributeError, "has no attribute 'seed'"),
+    ],
+)
+def test_what_an_agent_may_not_do_has_a_message_of_its_own(adversary, error, message):
+    session = Session(TuningProblem(random_scenario(0, blocked=0.1), ants=3, iterations=4), 8)
+    with pytest.raises(error, match=message):
+        tune(adversary, session, seed=0)
+
+
+def test_who_asks_for_more_than_is_left_gets_what_is_left():
+    session = Session(TuningProblem(random_scenario(0, blocked=0.1), ants=3, iterations=4), 8)
+    tune(Answers(asks=np.full((1000, 4), 0.5)), session, seed=0)
+    assert (len(session.trials), session.left) == (8, 0)

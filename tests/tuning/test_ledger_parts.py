@@ -144,6 +144,40 @@ def test_the_manifest_tells_of_every_machine_once(tmp_path):
         assert ledger.manifest["parts"] == [{"versions": VERSIONS, "cpu": cpu} for cpu in "xy"]
 
 
+def test_what_is_held_is_written_when_the_outermost_block_ends(tmp_path):
+    with opened(tmp_path) as ledger:
+        one, other = ledger.run("a"), ledger.run("b")
+        with one.hold():
+            with other.hold():
+                one.append([record(0)])
+                other.append([record(0)])
+            assert lines(tmp_path) == []
+            other.finish(OUTCOME)
+            other.time(tuner=1.0)
+        assert [json.loads(line)["run"] for line in lines(tmp_path)] == ["a", "b", "b"]
+        assert (one.records, other.outcome, lines(tmp_path, TIMING)) == (
+            [record(0)],
+            OUTCOME,
+            ['{"run":"b","tuner":1.0}'],
+        )
+
+
+def interrupted(run):
+    with run.hold():
+        run.append([record(0), record(1)])
+        raise KeyboardInterrupt
+
+
+def test_a_block_that_raises_leaves_nothing_and_the_next_one_goes_on(tmp_path):
+    with opened(tmp_path) as ledger:
+        run = ledger.run("a")
+        with pytest.raises(KeyboardInterrupt):
+            interrupted(run)
+        assert (run.records, lines(tmp_path)) == ([], [])
+        run.append([record(0)])
+    assert read_runs(tmp_path)["a"].records == [record(0)]
+
+
 def test_a_line_that_is_dropped_is_said(tmp_path, caplog):
     write_part(tmp_path)
     with (tmp_path / TRIALS).open("a") as file:

@@ -1,0 +1,179 @@
+"""Verify a submission: its mean gap is measured again on seeds that nobody has seen, and held against the claim.
+
+    python -m experiments.verify docs/example-submission
+
+Nothing of the submission is run: its table or its policy is read as data. The salt, from which every seed of the
+planner follows, is drawn and printed; ``--salt`` gives the same seeds again.
+"""
+
+import secrets
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import tyro
+from numpy.typing import NDArray
+
+import antgym
+from agents.steering import PolicyController
+from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
+from antgym.console import main, parse, progress
+from antgym.envs.control import BLOCKS
+from antgym.errors import AgentError, ParameterError
+from antgym.maps.suites import Suite, SuiteItem, load_suite
+from antgym.tuning.agent import Agent, tune
+from antgym.tuning.problem import TuningProblem
+from antgym.tuning.run_features import observe_run
+from antgym.tuning.session import Session, steer_together
+from experiments.artefacts import derived_seed, problem
+from experiments.columns import percent
+from experiments.control import steerable
+
+Floats = NDArray[np.float64]
+FRESH = 16  # runs that judge a recommendation, as on boards
+CONFIDENCE = 0.99  # of the interval: an honest claim fails once in a hundred, not once in twenty
+DIGIT = 1e-4  # claims are rounded
+PATIENCE = 2.0  # seconds without a bar
+PROG = "python -m experiments.verify"
+
+
+@dataclass(frozen=True)
+class Arguments:
+    """Score a submission again on fresh seeds, and say "verified" (exit code 0) or what differs (1)."""
+
+    folder: tyro.conf.Positional[Path]
+    """Folder of the submission."""
+    salt: int | None = None
+    """Root of the seeds, a whole number from 0 on; drawn and printed where none is given."""
+    seeds: int = 3
+    """Seeds on each map, at least 2; each is one recommendation and sixteen runs with it, or one run steered."""
+
+
+class Score(NamedTuple):
+    """What was found: mean gaps, (maps, seeds), and the share of runs that found a path."""
+
+    gaps: Floats
+    success: float
+
+
+Run = Callable[[SuiteItem, TuningProblem], Floats]
+"""Returns the path lengths of the runs that one seed on one map is scored by."""
+
+
+def verify(arguments: Arguments) -> int:
+    """Score, print, and return the exit code."""
+    if arguments.seeds < 2 or (arguments.salt or 0) < 0:
+        raise ParameterError(
+            f"--seeds {arguments.seeds} must be 2 or more, --salt {arguments.salt} 0 or more"
+        )
+    submission = read_submission(arguments.folder)
+    items = maps_of(arguments.folder, submission)
+    salt = secrets.randbits(63) if arguments.salt is None else arguments.salt
+    try:
+        score = _score(_runs(arguments.folder, submission), items, salt, arguments.seeds)
+    except AgentError as error:
+        raise ParameterError(f"{arguments.folder}: {error}") from None
+    low, high = interval(score.gaps, submission.seeds)
+    print(report(submission, score, low, high, salt))
+    return 0 if low <= submission.mean_gap <= high else 1
+
+
+def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
+    """Return the maps that a claim is about; ParameterError names the field where there are none such."""
+    try:
+        suite: Suite = load_suite(submission.suite, submission.split)
+    except ParameterError as error:
+        raise ParameterError(f"{folder / MANIFEST}: field 'suite': {error}") from None
+    if submission.maps > len(suite):
+        raise ParameterError(
+            f"{folder / MANIFEST}: field 'maps' = {submission.maps}: {suite} has {len(suite)} maps"
+        )
+    items = suite[: submission.maps]
+    if submission.track == "C":
+        return steerable(items)
+    return list(items)
+
+
+def _runs(folder: Path, submission: Submission) -> Run:
+    """Return what runs a submission: fresh runs of what it recommends, or one that it steers."""
+    if submission.track == "C":
+        controller = PolicyController(folder / submission.files[0])
+        return lambda item, this: _steered(controller, this)
+    agent, budget = make_agent(str(folder)), submission.trials if submission.kind == "policy" else 0
+    if isinstance(agent, TableAgent):
+        return lambda item, this: this.fresh(_recommended(agent.on(item.name), this, 0), FRESH).lengths
+    return lambda item, this: this.fresh(_recommended(agent, this, budget), FRESH).lengths
+
+
+def _score(run: Run, items: Sequence[SuiteItem], salt: int, seeds: int) -> Score:
+    gaps, solved = np.empty((len(items), seeds)), np.empty((len(items), seeds))
+    with progress("scoring again", gaps.size, after=PATIENCE) as advance:
+        for (i, item), seed in product(enumerate(items), range(seeds)):
+            this = problem(item, "verify", salt, seed)
+            lengths = run(item, this)
+            gaps[i, seed], solved[i, seed] = this.gap(lengths).mean(), np.isfinite(lengths).mean()
+            advance(1)
+    return Score(gaps, float(solved.mean()))
+
+
+def _recommended(agent: Agent, this: TuningProblem, budget: int) -> Floats:
+    seed = derived_seed("verify", this.seed)
+    if budget:
+        return tune(agent, Session(this, budget), seed=seed).recommendation
+    agent.reset(this.task(0), seed=seed)
+    return this.space.check(agent.recommend())[0]
+
+
+def _steered(controller: PolicyController, this: TuningProblem) -> Floats:
+    session = Session(this, 1)
+    trial = session.open(BLOCKS)
+    controller.reset(session.task, seed=derived_seed("verify", this.seed))
+    while not trial.over:
+        steer_together([(session, controller.act(observe_run(session.task, trial)))])
+    return np.array(session.lengths)
+
+
+def interval(gaps: Floats, claimed_seeds: int) -> tuple[float, float]:
+    """Return where a mean over other seeds of the same maps lies, with ``CONFIDENCE``.
+
+    Maps are those of the claim, so that only seeds differ: their variance within a map, pooled over maps, tells how far
+    two means may lie apart, one over our seeds and one over those of the claim.
+
+    Args:
+        gaps: (maps, seeds), at least two seeds.
+        claimed_seeds: that the other mean is over.
+    """
+    from scipy.stats import t
+
+    maps, seeds = gaps.shape
+    variance = float(gaps.var(axis=1, ddof=1).mean())
+    error = np.sqrt(variance * (1 / seeds + 1 / claimed_seeds) / maps)
+    half = float(t.ppf((1 + CONFIDENCE) / 2, maps * (seeds - 1)) * error) + DIGIT
+    return float(gaps.mean()) - half, float(gaps.mean()) + half
+
+
+def report(submission: Submission, score: Score, low: float, high: float, salt: int) -> str:
+    """Return what there is to say, the verdict last."""
+    maps, seeds = score.gaps.shape
+    mean, claim = float(score.gaps.mean()), submission.mean_gap
+    lines = [
+        f"{submission.name}, by {', '.join(submission.authors)}",
+        f"maps     first {maps} of {submission.suite}, {submission.split}; {seeds} seeds each, salt {salt}",
+        f"claimed  mean gap {percent(claim)} % over {submission.seeds} seeds",
+        f"found    mean gap {percent(mean)} %, {percent(score.success)} % of runs found a path; a mean over "
+        f"{submission.seeds} seeds lies in [{percent(max(low, 0.0))}, {percent(high)}] % ({CONFIDENCE:.0%})",
+    ]
+    if submission.antgym != antgym.__version__:
+        lines.append(f"note     claimed with antgym {submission.antgym}, scored with {antgym.__version__}")
+    if low <= claim <= high:
+        return "\n".join([*lines, "verified"])
+    how = "lower than what it does" if claim < low else "higher than what it does"
+    return "\n".join([*lines, f"differs  the claimed mean gap is {how}"])
+
+
+if __name__ == "__main__":
+    main(lambda: sys.exit(verify(parse(Arguments, None, PROG))))
