@@ -16,7 +16,7 @@ from typing import Any
 from antgym.console import progress, write_whole
 from antgym.errors import AntgymError, MissingExtraError
 from antgym.tuning.kept import KeptRun, read_runs
-from experiments.board import EXACT, SBS, VBS, Board
+from experiments.board import EXACT, SBS, VBS, Board, failures
 from experiments.columns import COLUMNS, TIE, size
 from experiments.report import marks
 from experiments.report.cards import agent_card, definition, flat
@@ -52,7 +52,7 @@ def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
     takes its place; then the old data go.
 
     Args:
-        boards: one for each track and budget, in the order in which they are offered.
+        boards: one for each track and budget, in any order.
         ledger: folder of the ``trials.jsonl`` that their gaps come from.
         folder: where the site goes; it may be the ledger's.
 
@@ -64,6 +64,7 @@ def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
         LedgerError: if a gap of an agent is not what its run in the ledger says.
         MissingExtraError: if plotly is not installed.
     """
+    boards = sorted(boards, key=lambda board: (board.track, board.budget))
     names = [board_id(board) for board in boards]
     if not names or len(set(names)) < len(names):
         raise AntgymError(
@@ -177,7 +178,8 @@ def _panels(board: Board, looks: dict[str, Hue]) -> dict[str, str]:
     parts = {
         "rankings": result(board)
         + HELP
-        + _table("ranking", board, f"<thead><tr>{marks.headings()}</tr></thead>\n<tbody>{ranked}</tbody>"),
+        + _table("ranking", board, f"<thead><tr>{marks.headings()}</tr></thead>\n<tbody>{ranked}</tbody>")
+        + "".join(f'<p class="failure">{escape(failure)}</p>' for failure in failures(board)),
         "intervals": f'<div class="plot">{marks.intervals(board, looks)}</div>',
         "versus": _table("versus", board, versus(board, looks)) if len(board.scenarios) > 1 else ONE_MAP,
         "heats": _table("heat", board, marks.heat(board, looks, lambda i: f"#{board_id(board)}/{i}")),

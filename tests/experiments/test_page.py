@@ -149,6 +149,13 @@ def test_curves_hold_every_budget_of_a_track_and_profiles_end_at_one(site):
     assert data["first"] == "A-20"
 
 
+def test_a_failure_is_told_below_the_ranking(tmp_path):
+    failed = replace(row("pso", [[1.0, 1.0]] * 2), failure="2 of 4 runs failed: <late>")
+    assert '<p class="failure">pso: 2 of 4 runs failed: &lt;late&gt;.</p>' in written(
+        [board(row("ga"), failed)], tmp_path
+    )
+
+
 def test_who_beats_whom_by_eye(tmp_path):
     worse, better = [[0.5, 0.5]] * 3, [[0.1, 0.1]] * 3
     page = written([board(row("pso", worse), row("ga", better))], tmp_path)
