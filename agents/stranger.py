@@ -21,7 +21,7 @@ from antgym.errors import AgentError, ParameterError, nearest
 from antgym.tuning import Task, Trial
 
 Floats = NDArray[np.float64]
-CALL_SECONDS = 30.0  # of one call
+CALL_SECONDS = 60.0  # of one call, the import of torch on a busy machine among them
 MEMORY = 4 << 30  # bytes
 _SAID = 300  # characters of what a stranger says
 

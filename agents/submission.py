@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from agents.algorithms import check_constructor
 from agents.catalogue import RL_LIBRARIES, Card
+from agents.policy import PolicyAgent
 from agents.published import PolicyCard, is_number, is_whole, read_card
 from agents.search import ZeroShot
 from agents.submitted_files import check_weights, is_file_name, read_object
@@ -181,6 +182,17 @@ class TableAgent(ZeroShot):
         return np.array(unit)
 
 
+class SubmittedPolicy(PolicyAgent):
+    """A submitted policy: on a task that it does not fit it fails, and stops nobody else."""
+
+    def reset(self, task: Task, *, seed: int) -> None:
+        """Look at the task; AgentError where the policy was trained on another observation or other parameters."""
+        try:
+            super().reset(task, seed=seed)
+        except ParameterError as error:
+            raise AgentError(str(error)) from None
+
+
 def read_submission(folder: Path) -> Submission:
     """Return the manifest of a folder, once every file that it names is found sound.
 
@@ -227,11 +239,7 @@ def make_agent(folder: str) -> "Agent":
     """Return the agent of a submission; ParameterError names what is amiss."""
     submission = read_submission(Path(folder))
     path = Path(folder) / submission.files[0]
-    if submission.kind == "table":
-        return TableAgent(Table.read(path))
-    from agents.policy import PolicyAgent
-
-    return PolicyAgent(path)
+    return SubmittedPolicy(path) if submission.kind == "policy" else TableAgent(Table.read(path))
 
 
 def card_of(name: str) -> Card:

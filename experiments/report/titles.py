@@ -7,7 +7,7 @@ from experiments.board import Board
 from experiments.columns import percent, size
 
 TRACKS = {
-    "A": ("per map", "Tuned on each map by itself, from nothing."),
+    "A": ("per map", "Tuned on each map by itself, whatever was learnt before."),
     "B": ("after training", "Trained on other maps before; then no or a few trials on each new map."),
     "C": ("control", "The parameters change on the way, within one run; no trial is paid."),
 }

@@ -139,6 +139,7 @@ def test_no_process_outlives_a_run(play):
         assert time.monotonic() < deadline
 
 
+@pytest.mark.slow
 def test_a_nursery_that_was_killed_is_replaced(play):
     play("KillsTheNursery")[0].close()
     assert play("Honest")[1].left == 0

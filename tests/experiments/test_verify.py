@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import agents
-from antgym.errors import AntgymError, ParameterError
+from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.run_features import CONTROL_FEATURES
 from experiments.artefacts import problem
@@ -235,6 +235,9 @@ def test_a_policy_is_scored_from_its_numbers(policy, capsys):
     assert verify(Arguments(policy, salt=1, seeds=2)) in (0, 1)
     assert "first 2 of mountain-v0, test" in capsys.readouterr().out
     assert agents.find_card(str(policy)).needs == "rl"
+    bees = problem(load_suite("tabu-bee-v0", "test")[0], "test").task(0)
+    with pytest.raises(AgentError, match="the task has"):
+        agents.make(str(policy)).reset(bees, seed=0)
 
 
 def test_a_policy_whose_map_would_fill_the_memory_is_refused(policy):
