@@ -6,6 +6,7 @@ from antgym.tuning.ledger import Ledger, Outcome
 from antgym.tuning.session import Record, Trial
 from experiments.board import EXACT, Board, Picture, Row
 
+HOSTILE = "</script><script>alert(1)</script><img src='https://evil.example/x' onerror=alert(2)>\"&"
 AGENTS = {  # name: median gap, deploy, training, summary
     "rl": (0.075, 0, 20_000, "frozen policy (stable-baselines3), no trial"),
     "transfer_graph": (0.078, 6, 4_000, "transfer graph, sound version with guard runs"),

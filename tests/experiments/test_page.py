@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from boards import AGENTS, SCENARIOS, board, fake_board, recorded, row, small_site
+from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row, small_site
 
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
 from experiments.board import EXACT, Picture
@@ -19,7 +19,6 @@ from experiments.report.page import write_site
 from experiments.report.picture import drawn, figure, stretch
 from experiments.report.titles import ahead
 
-HOSTILE = "</script><script>alert(1)</script><img src='https://evil.example/x' onerror=alert(2)>\"&"
 SCRIPTS = ["page.js", "sorting.js", "curves.js", "scene.js", "maps.js"]
 
 

@@ -4,11 +4,10 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from boards import recorded, small_site
+from boards import HOSTILE, recorded, small_site
 
 from experiments.report.page import write_site
 
-HOSTILE = "</script><script>alert(1)</script><img src='https://evil.example/x' onerror=alert(2)>\"&"
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 DESKTOP, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
