@@ -38,7 +38,10 @@ def main(page: Path, address: str, picture: Path) -> None:
     browser = shutil.which("chromium") or shutil.which("google-chrome") or sys.exit("no Chromium found")
     with tempfile.TemporaryDirectory() as folder:
         copy, shot = Path(folder) / "site", Path(folder) / "shot.png"
-        shutil.copytree(page.parent, copy, ignore=shutil.ignore_patterns("*.jsonl", "trained"))
+        for name in ("scripts", "data"):
+            shutil.copytree(page.parent / name, copy / name)
+        for name in (page.name, "page.css", "plotly.min.js"):
+            shutil.copy(page.parent / name, copy)
         with (copy / "page.css").open("a", encoding="utf-8") as style:
             style.write(STYLE)
         flags = ["--headless", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking"]

@@ -30,6 +30,7 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
     outcomes = [run.outcome for run in runs if run.outcome is not None]
     assert len(outcomes) == len(runs), f"{entrant.name} is not finished"
     gaps = np.array([np.mean(outcome.gaps) for outcome in outcomes]).reshape(len(played.items), -1)
+    steered = played.track == "C"  # the run is what is judged, and no trial before it
     spent, failure = [clocks.get(run.key, {}) for run in runs], failures(outcomes)
     return Row(
         name=entrant.name,
@@ -37,11 +38,11 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
         summary=f"{entrant.summary}; {failure}" if failure else entrant.summary,
         gaps=tuple(tuple(row) for row in gaps.tolist()),
         success=float(np.mean([np.isfinite(outcome.lengths).mean() for outcome in outcomes])),
-        deploy=float(np.mean([len(run.records) for run in runs])),
+        deploy=0.0 if steered else float(np.mean([len(run.records) for run in runs])),
         training=entrant.training,
         tuner_seconds=float(np.mean([clock.get("tuner", 0.0) for clock in spent])),
         planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in spent])),
-        optimism=None if played.track == "C" else _optimism(jobs, runs),
+        optimism=None if steered else _optimism(jobs, runs),
         card=_card(entrant),
         failure=failure,
     )
