@@ -60,7 +60,7 @@ def test_an_honest_agent_does_what_it_would_do_in_the_same_process(play, problem
         ("Dies", r"ask\(\) ended its process \(exit status 3\)"),
         ("IsKilled", r"recommend\(\) ended its process \(signal 9\)"),
         ("Exits", r"ask\(\) raised SystemExit: goodbye"),
-        ("EatsMemory", r"ask\(\) raised MemoryError"),
+        ("EatsMemory", r"ask\(\) raised MemoryError: Unable to allocate 8.00 GiB"),
         ("PlansItself", r"may not import antgym.planners.*paid for"),
         ("MakesAnEnvironment", r"reset\(\) raised AgentError: an agent may not import antgym.envs"),
         ("ReadsTheBoard", r"reset\(\) raised AgentError: an agent may not import experiments"),
