@@ -141,8 +141,8 @@ def interval(gaps: Floats, claimed_seeds: int) -> tuple[float, float]:
     """Return where a mean over other seeds of the same maps lies, with ``CONFIDENCE``.
 
     Maps are those of the claim, so that only seeds differ. Their variance within each map tells how far two means may
-    lie apart, one over our seeds and one over those of the claim; maps are unlike, so Student's t has as many degrees of
-    freedom as Satterthwaite (1946) gives a sum of unlike variances.
+    lie apart, one over our seeds and one over those of the claim. Maps are unlike, so Student's t has the degrees of
+    freedom that Satterthwaite (1946) gives a sum of unlike variances.
 
     Args:
         gaps: (maps, seeds), at least two seeds.
