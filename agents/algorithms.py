@@ -29,13 +29,13 @@ class Algorithm(NamedTuple):
 
 
 _SB3, _CONTRIB = "stable_baselines3", "sb3_contrib"
-_ANY, _BOX = ("setting", "each", "one"), ("setting",)
+_ANY, _BOX = ("setting", "moved", "each", "one"), ("setting", "moved")
 ALGORITHMS = {
     "PPO": Algorithm(_SB3, _ANY, without=_UNUSED),
     "A2C": Algorithm(_SB3, _ANY, without=_UNUSED),
     "TRPO": Algorithm(_CONTRIB, _ANY, without=_UNUSED),
     "RecurrentPPO": Algorithm(_CONTRIB, _ANY, without=_UNUSED, recurrent=True),
-    "ARS": Algorithm(_CONTRIB, ("setting", "one")),
+    "ARS": Algorithm(_CONTRIB, ("setting", "moved", "one")),
     "SAC": Algorithm(_SB3, _BOX, "actor."),
     "TD3": Algorithm(_SB3, _BOX, "actor."),
     "DDPG": Algorithm(_SB3, _BOX, "actor."),

@@ -3,62 +3,18 @@
 Trainings that differ in their seed alone err on different maps; the mean of their settings errs less than any of them.
 """
 
-import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from agents import artefact
+from agents.choosing import Committee
 from agents.policy import PolicyAgent, shipped
-from agents.published import read_card
 from antgym.errors import ParameterError
 from antgym.tuning import Task
 
 Floats = NDArray[np.float64]
-FORMAT = "antgym committee 1"
 FLAGSHIP = "open-committee"
-_NAME = re.compile(
-    r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}"
-)  # of a file beside the committee's, and of nothing else
-
-
-@dataclass(frozen=True)
-class Committee:
-    """Who sits on it.
-
-    Attributes:
-        members: names of published policies, NAME.json and NAME.safetensors in the folder of the committee's file.
-
-    Raises:
-        ParameterError: where there is none, one is named twice, or a name leads out of the folder.
-    """
-
-    members: tuple[str, ...]
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.members, tuple):
-            raise ParameterError(f"members: {self.members!r} is no list of names")
-        for name in self.members:
-            if not isinstance(name, str) or not _NAME.fullmatch(name):
-                raise ParameterError(f"members: {name!r} is no name of a policy in the same folder")
-        if not self.members or len(set(self.members)) < len(self.members):
-            raise ParameterError(f"members: needs one policy at least, each once; got {list(self.members)}")
-
-    def save(self, path: str | Path) -> None:
-        """Write it as JSON; a file of that name is replaced at once or not at all."""
-        artefact.save(path, FORMAT, {"members": self.members})
-
-    @classmethod
-    def load(cls, path: str | Path) -> "Committee":
-        """Read it; ParameterError names the file and what is wrong with it."""
-        return artefact.load(path, FORMAT, cls)
-
-    @classmethod
-    def evaluations(cls, path: str | Path) -> int:
-        """Return the planner runs of all its members' trainings."""
-        return sum(read_card(Path(path).parent / name).evaluations for name in cls.load(path).members)
 
 
 class CommitteeAgent:

@@ -183,7 +183,7 @@ def _done(card: PolicyCard) -> Any:
     from gymnasium import spaces
 
     dimension = len(card.parameters)
-    if card.action == "setting":
+    if card.action in ("setting", "moved"):
         return spaces.Box(-1.0, 1.0, (dimension,), np.float32)
     if card.action == "each":
         return spaces.MultiDiscrete(list(choices("each", dimension)))

@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.choosing import start_in
 from agents.networks import Player, load
-from agents.published import PolicyCard
+from agents.published import SHIPPED, PolicyCard
 from antgym.errors import ParameterError, nearest
-from antgym.tuning import Task, Trial, incumbent, observe, observe_with_map, settings_of
+from antgym.tuning import Task, Trial, incumbent, moved, observe, observe_with_map, settings_of, starts_of
 
 Floats = NDArray[np.float64]
-SHIPPED = Path(__file__).parent / "policies"
 FLAGSHIP = "open-one-shot"
-DEFAULT = 0.5  # of every parameter: the published one
 
 
 class PolicyAgent:
@@ -43,6 +42,7 @@ class PolicyAgent:
             raise ParameterError(
                 f"{self.path}: steers a run and picks no setting; agents.steering.PolicyController plays it"
             )
+        self._start = start_in(self.path, self.card)
 
     def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - a deterministic policy
         """Look at the task; ParameterError where the policy was trained on another observation or other parameters."""
@@ -51,7 +51,8 @@ class PolicyAgent:
         require_parameters(self.path, self.card, task)
         self._task, self._player = task, Player(self._network)
         self._trials: list[Trial] = []
-        self._setting = np.full(len(task.space), DEFAULT)
+        self._begin = starts_of(self._start, task.features[None], len(task.space))[0]
+        self._setting = self._begin
         if self.card.regime == "OneShot":
             self._setting = self._pick()
 
@@ -66,13 +67,14 @@ class PolicyAgent:
             self._setting = np.array(incumbent(self._trials)[0])
 
     def recommend(self) -> Floats:
-        """Return the policy's setting, (d,); from one of Trials the incumbent, before any the published one."""
+        """Return the policy's setting, (d,); from one of Trials the incumbent, before any trial its start."""
         return self._setting.copy()
 
     def _pick(self) -> Floats:
         seen = self._observe()
         require_shape(self.path, self.card, seen)
-        return settings_of(self._player.act(seen))
+        action = self._player.act(seen)
+        return moved(self._begin, action) if self.card.action == "moved" else settings_of(action)
 
     def _observe(self) -> Any:
         card = self.card

@@ -5,6 +5,7 @@ Reading one runs nothing of it: the JSON is checked field by field, and weights 
 
 import hashlib
 import json
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import MISSING, asdict, dataclass, field, fields
@@ -17,7 +18,9 @@ from antgym.errors import ParameterError
 FORMAT = "antgym policy 1"
 REGIMES = ("OneShot", "Trials", "Control")
 OBSERVATIONS = ("features", "map2d", "map3d")
-ACTIONS = ("setting", "each", "one")
+ACTIONS = ("setting", "moved", "each", "one")
+SHIPPED = Path(__file__).parent / "policies"
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")  # of a file in the same folder, and of nothing else
 _LARGEST = 1 << 12  # of any size: beyond it a card is broken, not a network
 
 
@@ -35,10 +38,13 @@ class PolicyCard:
         map: shape of the map, None where there is none.
         window: trials that the observation shows, 0 in other regimes than Trials.
         features: names of the first entries of the vector, as far as they have some.
-        action: ``"setting"``; or what is changed of the last one, of ``"each"`` parameter or of ``"one"``.
+        action: ``"setting"``; ``"moved"``, a move from the start; or what is changed of the last setting, of
+            ``"each"`` parameter or of ``"one"``.
         parameters: that are chosen.
         start: the setting, each value in [0, 1], that changes begin from, or one by the name of the rules; None for the
             published default.
+        follows: name of the policy of OneShot, or of the committee, whose choice they begin from in place of that; "".
+        follows_sha256: hash of the cards behind it.
         start_evaluations: planner runs that finding it spent, apart from ``evaluations``.
         env: id of the environment it was trained in.
         arguments: of that environment.
@@ -62,9 +68,11 @@ class PolicyCard:
     map: list[int] | None = None
     window: int = 0
     features: list[str] = field(default_factory=list)
-    action: Literal["setting", "each", "one"] = "setting"
+    action: Literal["setting", "moved", "each", "one"] = "setting"
     parameters: list[str] = field(default_factory=list)
     start: list[float] | dict[str, list[float]] | None = None
+    follows: str = ""
+    follows_sha256: str = ""
     start_evaluations: int = 0
     env: str = ""
     arguments: dict[str, Any] = field(default_factory=dict)
@@ -135,6 +143,11 @@ _CHECKS: dict[str, tuple[Callable[[Any], bool], str]] = {
         lambda value: value is None or all(_listed(one, _is_share) for one in _starts(value)),
         "values from 0 to 1, such by rules, or null",
     ),
+    "follows": (
+        lambda value: _is_text(value) and (value == "" or NAME.fullmatch(value) is not None),
+        "the name of a policy, or empty",
+    ),
+    "follows_sha256": _TEXT,
     "start_evaluations": _COUNT,
     "env": _TEXT,
     "arguments": _OBJECT,
@@ -203,6 +216,10 @@ def _check(file: Path, card: PolicyCard) -> None:
         raise ParameterError(
             f"{file}: field 'map' = {card.map} does not fit observation {card.observation!r}"
         )
+    if card.start is not None and card.follows:
+        raise ParameterError(f"{file}: fields 'start' and 'follows': changes begin from one of them")
+    if card.action == "moved" and card.start is None and not card.follows:
+        raise ParameterError(f"{file}: field 'action' = 'moved' needs a start, or a policy that it follows")
     if card.start is not None and any(len(one) != len(card.parameters) for one in _starts(card.start)):
         raise ParameterError(f"{file}: field 'start' holds no value for each of {card.parameters}")
 

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.choosing import start_in
 from agents.networks import Player, load
 from agents.policy import require_parameters, require_shape
 from antgym.errors import ParameterError
-from antgym.tuning import Agent, Task, changed, settings_of, start_of
+from antgym.tuning import Agent, Task, changed, moved, settings_of, starts_of
 
 Floats = NDArray[np.float64]
 
@@ -112,12 +113,13 @@ class PolicyController:
         self.card, self._network = load(self.path)
         if self.card.regime != "Control":
             raise ParameterError(f"{self.path}: a policy of {self.card.regime} steers no run")
+        self._start = start_in(self.path, self.card)
 
     def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - a deterministic policy
         """Begin a run; ParameterError where the policy sets other parameters."""
         require_parameters(self.path, self.card, task)
         self._player, self._first = Player(self._network), True
-        self._setting = start_of(self.card.start, task.features, len(task.space))
+        self._begin = self._setting = starts_of(self._start, task.features[None], len(task.space))[0]
         flat = self.card.observation == "map2d"
         self._map = None if self.card.map is None else task.map(flat)
 
@@ -132,6 +134,8 @@ class PolicyController:
         action = self._player.act(shown)
         if self.card.action == "setting":
             self._setting = settings_of(action)
+        elif self.card.action == "moved":
+            self._setting = moved(self._begin, action)
         else:
             self._setting = changed(self._setting[None], action[None], self.card.action)[0]
         return self._setting

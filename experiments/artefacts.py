@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 import agents
 from agents import committee, ensemble, policy
-from agents.committee import Committee
+from agents.choosing import Committee
 from agents.ensemble import Ensemble
 from agents.experience import Experience
 from agents.fitting import trials_needed
 from agents.graph import TransferGraph
+from agents.published import SHIPPED
 from agents.static import StaticSetting, StaticSettings, race, race_by_rules
 from antgym.console import main, parse, progress
 from antgym.envs.catalogue import WORLDS
@@ -132,7 +133,7 @@ def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
         return {}
     argument, kind = ARGUMENTS[card.entry_point]
     file = _file(name, kind)
-    flagship = policy.SHIPPED / f"{FLAGSHIPS.get(file)}.json"
+    flagship = SHIPPED / f"{FLAGSHIPS.get(file)}.json"
     if folder is None and flagship.exists():
         return {argument: flagship}
     return {argument: (folder or TRAINED) / file}

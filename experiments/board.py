@@ -17,7 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from antgym.errors import AntgymError
-from experiments.columns import COLUMNS, TIE, cells, headline, size
+from experiments.columns import COLUMNS, IN_TERMINAL, TIE, cells, headline, size
 from experiments.statistics import (
     Estimate,
     cluster_interval,
@@ -253,12 +253,11 @@ def to_table(board: Board) -> Table:
     table = Table(title=Text(headline(board)), caption=caption, box=SIMPLE_HEAD, padding=0)
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("agent", overflow="fold")
-    shown = [column for column in COLUMNS if column.terminal]
-    for column in shown:
+    for column in IN_TERMINAL:
         table.add_column(column.heading.replace(" ", "\n", 1), justify="right", overflow="fold")
     for row in board.ranked:
         reference = row.kind == "reference"
-        texts = ["" if reference else str(board.places[row.name]), row.name, *cells(row, board, shown)]
+        texts = ["" if reference else str(board.places[row.name]), row.name, *cells(row, board, IN_TERMINAL)]
         table.add_row(*map(Text, texts), style="dim italic" if reference else None)
     return table
 

@@ -12,6 +12,10 @@ NONE = "–"
 TRACKS = {"A": "tuned per map", "B": "after training", "C": "control within a run"}
 
 
+def _no_interval(row: "Row", board: "Board") -> None:  # noqa: ARG001 - a column without one
+    return None
+
+
 class Column(NamedTuple):
     """One number per row.
 
@@ -21,14 +25,14 @@ class Column(NamedTuple):
         value: by which rows are sorted, None last.
         text: how it is printed.
         interval: its 95 % interval, printed in brackets; None where there is none.
-        terminal: whether a terminal shows it, too; it has no room for all.
+        terminal: whether a terminal shows it, too, which has no room for all and for the first one's interval only.
     """
 
     heading: str
     meaning: str
     value: Callable[["Row", "Board"], float | None]
     text: Callable[[float], str]
-    interval: Callable[["Row", "Board"], tuple[float, float] | None] = lambda row, board: None
+    interval: Callable[["Row", "Board"], tuple[float, float] | None] = _no_interval
     terminal: bool = True
 
 
@@ -127,6 +131,10 @@ COLUMNS = (
         lambda row, board: row.optimism,
         lambda value: f"{100 * value:+.1f}".replace("-", "−"),
     ),
+)
+IN_TERMINAL = (
+    COLUMNS[0],
+    *(column._replace(interval=_no_interval) for column in COLUMNS[1:] if column.terminal),
 )
 TIE = (
     "≈ stands for a tie: the difference to the agent above, paired by map, may be chance (p > 0.05 after Holm's "

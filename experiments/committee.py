@@ -11,7 +11,8 @@ from typing import Annotated
 
 import tyro
 
-from agents.committee import Committee, CommitteeAgent
+from agents.choosing import Committee
+from agents.committee import CommitteeAgent
 from agents.published import stem_of
 from antgym.console import main, parse
 from antgym.errors import ParameterError

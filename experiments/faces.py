@@ -37,7 +37,7 @@ def show(folder: Path, ledger: Ledger, rounds: Sequence[Round], command: str) ->
         if len(track) > 1:
             console.print(by_budget(track))
     write_whole(folder / "board.md", _markdown(tracks, command).encode())
-    return write_site([board for track in tracks for board in reversed(track)], folder, folder)
+    return write_site(boards, ledger.folder, folder)
 
 
 def to_board(played: Round, rounds: Sequence[Round], ledger: Ledger, command: str) -> Board:

@@ -20,7 +20,7 @@ from agents.stranger import CALL_SECONDS
 from antgym.console import main, parse, progress
 from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
-from antgym.maps.suites import SuiteItem
+from antgym.maps.suites import SuiteItem, digest_of
 from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
 from experiments.artefacts import prepare
@@ -60,7 +60,7 @@ class Arguments:
     """Run the leaderboard, by default on real terrain, or go on with one that was stopped."""
 
     preset: Literal["smoke", "quick", "full"] = "quick"
-    """smoke: under a minute, for tests; quick: minutes, the published table; full: hours."""
+    """smoke: under a minute, for tests; quick: minutes, the published table; full: up to hours."""
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
@@ -110,6 +110,7 @@ def plan_board(arguments: Arguments) -> Plan:
         "suite": arguments.suite,
         "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],
+        "split_hash": digest_of(items),  # with efforts and rules
         "agents": list(arguments.agents),
     }
     names = [*names_of(arguments), *(["rl"] if arguments.controllers else [])]

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.algorithms import ALGORITHMS, Algorithm, find_algorithm
+from agents.choosing import choice_of
 from agents.networks import algorithm_class
 from antgym.envs.catalogue import CATALOGUE, Entry
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
@@ -22,10 +23,11 @@ from antgym.tuning.problem import TuningProblem
 CONFIGS = Path(__file__).parent / "configs"
 FILES = {"OneShot": "one_shot.toml", "Trials": "trials.toml", "Control": "control.toml"}
 """Which file of CONFIGS holds the settings of a regime."""
-ACTIONS: dict[str, tuple[Literal["each", "one", "setting"], ...]] = {
-    "OneShot": ("setting",),
-    "Trials": ("setting",),
-    "Control": ("each", "one", "setting"),
+Action = Literal["each", "one", "setting", "moved"]
+ACTIONS: dict[str, tuple[Action, ...]] = {
+    "OneShot": ("setting", "moved"),
+    "Trials": ("setting", "moved"),
+    "Control": ("each", "one", "setting", "moved"),
 }
 """Kinds of actions by regime, those that are learnt where nothing is said first; see ``PolicyCard.action``."""
 STANDARD_MAPS = 100  # train maps that features are standardised by
@@ -53,6 +55,7 @@ class Learner:
         action: kind of its actions; None for the first of the regime's that the algorithm learns.
         kwargs: arguments of the environment.
         start: what changes begin from, see :class:`antgym.envs.sb3.ChangingVecEnv`.
+        follows: file of a policy of OneShot, or of a committee, whose choice they begin from in place of that.
         config: file of settings by algorithm; None for the regime's own.
 
     Raises:
@@ -61,10 +64,11 @@ class Learner:
 
     algorithm: str
     env: str
-    action: Literal["each", "one", "setting"] | None
+    action: Action | None
     kwargs: Mapping[str, Any]
     start: Start | None
     config: Path | None
+    follows: Path | None = None
 
     def __post_init__(self) -> None:
         known, wanted = ACTIONS[self.entry.regime], self.action
@@ -79,8 +83,15 @@ class Learner:
             raise ParameterError(
                 f"{self.algorithm} does not fit {self.env}, which takes {takes}; what fits: {', '.join(fitting)}"
             )
-        if self.start is not None and self.how == "setting":
-            raise ParameterError("start: there is one only where settings are changed, --action each or one")
+        begun = self.start is not None or self.follows is not None
+        if begun and self.how == "setting":
+            raise ParameterError(
+                "start: there is one only where settings are changed: --action moved, each, one"
+            )
+        if self.how == "moved" and not begun:
+            raise ParameterError("moved from where? give --start, --start-by-rules or --start-by-policy")
+        if self.start is not None and self.follows is not None:
+            raise ParameterError("--start and --start-by-policy: changes begin from one of them")
 
     @cached_property
     def entry(self) -> Entry:
@@ -101,7 +112,7 @@ class Learner:
         return find_algorithm(self.algorithm)
 
     @cached_property
-    def how(self) -> Literal["each", "one", "setting"]:
+    def how(self) -> Action:
         """Kind of the actions."""
         if self.action is not None:
             return self.action
@@ -136,12 +147,16 @@ class Learner:
 
     def envs(self, count: int, seed: int, **others: Any) -> Any:
         """Return a batch of the environment; ``others`` go before ``kwargs``."""
-        from antgym.envs.sb3 import ChangingVecEnv, make_sb3_vec
+        from antgym.envs.sb3 import ChangingVecEnv, MovedVecEnv, make_sb3_vec
 
         envs = make_sb3_vec(self.env, count, seed, **{**self.kwargs, **others})
-        if self.how != "setting":
-            return ChangingVecEnv(envs, self.how, self.start)
-        return envs
+        if self.how == "setting":
+            return envs
+        start = self.start if self.follows is None else choice_of(self.follows)
+        if self.how == "moved":
+            assert start is not None
+            return MovedVecEnv(envs, start)
+        return ChangingVecEnv(envs, self.how, start)
 
     def train_envs(self, seed: int) -> Any:
         """Return the batch that is trained on."""

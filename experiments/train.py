@@ -16,33 +16,28 @@ import json
 import math
 import time
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import tyro
 
+from agents.choosing import digest_of
 from agents.networks import algorithm_class, export
 from agents.published import beside, read_card
 from agents.static import StaticSettings
 from antgym.console import RESUMES, Advance, main, parse, progress
 from antgym.errors import MissingExtraError, ParameterError
-from antgym.maps.suites import load_suite
-from antgym.planners.planning import are_bees
-from antgym.planners.swarms import parameter_names
 from antgym.tuning.actions import Start
-from antgym.tuning.features import task_table
-from antgym.tuning.run_features import control_table
 from antgym.tuning.seeding import child_states
 from experiments.checkpoints import Checkpoints, Standing, require_same
 from experiments.learners import Learner, parsed
 from experiments.provenance import file_hash
 from experiments.replay import Replayed
+from experiments.training import facts, short
 from experiments.validation import Validation
 
 LEGS = 10
-LIBRARIES = ("antgym", "numpy", "gymnasium", "sb3-contrib", "stable-baselines3", "torch")
 SEED_LIMIT = 1 << 32  # of NumPy's old generator, which stable-baselines3 seeds
 _LEG = 11  # seed domain
 
@@ -63,12 +58,16 @@ class Arguments:
     """Where the policy goes; .safetensors and .json are added, .checkpoints while it is made."""
     observation: Literal["features", "map", "map2d", "map3d"] = "features"
     """What the policy sees; maps are read by convolutions."""
-    action: Literal["each", "one", "setting"] | None = None
-    """Control: changes of each parameter or of one, or settings; by default the first that the algorithm learns."""
+    action: Literal["each", "one", "setting", "moved"] | None = None
+    """Control: changes of each parameter or of one, or settings; by default the first that the algorithm learns.
+    Everywhere: settings, or moves from a start."""
     start: tuple[float, ...] | None = None
-    """Control: the setting that changes begin from, a value from 0 to 1 a parameter; by default the published one."""
+    """The setting that changes or moves begin from, a value from 0 to 1 a parameter; by default the published one."""
     start_by_rules: Path | None = None
-    """Control: a file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
+    """A file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
+    start_by_policy: Path | None = None
+    """What changes begin from, chosen by a published policy of OneShot or a committee: what is learnt corrects it. Its
+    files are shipped, or lie in the folder of OUT."""
     kwargs: str = "{}"
     """Arguments of the environment as JSON: '{"suite": "room-v0", "reward": "improvement", "budget": 20}'."""
     experience: Path | None = None
@@ -101,11 +100,15 @@ def train(arguments: Arguments) -> dict[str, Any]:
         card = read_card(finished)
         require_same(finished, card.settings.get("asked", {}), json.loads(json.dumps(asked)))
         kept.remove()  # where it was killed right before
-        return {"finished": str(finished), **_short(card)}
+        return {"finished": str(finished), **short(card)}
     model = _run(learner, arguments, kept)
-    card = export(kept.best(model), arguments.out, **_facts(learner, arguments, kept.standing, asked))
+    card = export(
+        kept.best(model),
+        arguments.out,
+        **facts(learner, arguments.start_by_rules, kept.standing, seed=arguments.seed, asked=asked),
+    )
     kept.remove()
-    return _short(card)
+    return short(card)
 
 
 def _check(arguments: Arguments) -> None:
@@ -126,7 +129,13 @@ def _learner(arguments: Arguments) -> Learner:
             f"split {kwargs['split']!r}: a policy is trained on train maps and judged on others"
         )
     return Learner(
-        arguments.algorithm, arguments.env, arguments.action, kwargs, _start(arguments), arguments.config
+        arguments.algorithm,
+        arguments.env,
+        arguments.action,
+        kwargs,
+        _start(arguments),
+        arguments.config,
+        arguments.start_by_policy,
     )
 
 
@@ -148,6 +157,7 @@ def _asked(arguments: Arguments) -> dict[str, Any]:
     return {
         **asked,
         "start": learner.start,
+        "follows": learner.follows and digest_of(learner.follows),
         "action": learner.how,
         "kwargs": dict(learner.kwargs),
         "settings": learner.settings,
@@ -253,48 +263,6 @@ def _titled(title: str, standing: Standing) -> str:
     if not standing.history:
         return title
     return f"{title}: validation gap {standing.history[-1][1]:.3f}, at best {standing.lowest:.3f}"
-
-
-def _facts(
-    learner: Learner, arguments: Arguments, standing: Standing, asked: dict[str, Any]
-) -> dict[str, Any]:
-    regime, by_rules = learner.entry.regime, arguments.start_by_rules
-    rules = load_suite(learner.suite, "train").rules
-    bees, names = are_bees(rules), parameter_names(rules[0])
-    features = control_table(bees, names) if regime == "Control" else task_table(bees)
-    return {
-        "regime": regime,
-        "window": learner.kwargs.get("window", 5) if regime == "Trials" else 0,
-        "features": [feature.name for feature in features],
-        "parameters": list(names),
-        "action": learner.how,
-        "start": learner.start,
-        "start_evaluations": StaticSettings.load(by_rules).evaluations if by_rules else 0,
-        "env": arguments.env,
-        "arguments": dict(learner.kwargs),
-        "evaluations": standing.evaluations,
-        "validation_runs": standing.validation_runs,
-        "validation_gap": standing.lowest,
-        "seconds": standing.seconds,
-        "seed": arguments.seed,
-        "settings": {**learner.settings, "asked": asked},
-        "versions": {name: version(name) for name in LIBRARIES},
-        "history": standing.history,
-    }
-
-
-def _short(card: Any) -> dict[str, Any]:
-    names = (
-        "algorithm",
-        "env",
-        "regime",
-        "seed",
-        "evaluations",
-        "validation_runs",
-        "validation_gap",
-        "seconds",
-    )
-    return {**{name: getattr(card, name) for name in names}, "history": card.history}
 
 
 def script() -> None:

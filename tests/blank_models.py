@@ -20,6 +20,7 @@ class Blank(gymnasium.Env):
             self.observation_space = gymnasium.spaces.Dict({"features": vector, "map": sides})
         spaces = {
             "setting": gymnasium.spaces.Box(-1, 1, (4,), np.float32),
+            "moved": gymnasium.spaces.Box(-1, 1, (4,), np.float32),
             "each": gymnasium.spaces.MultiDiscrete(list(choices("each", 4))),
             "one": gymnasium.spaces.Discrete(choices("one", 4)[0]),
         }

@@ -121,13 +121,15 @@ def recorded(boards, folder):
             for agent in one.rows:
                 for i, name in enumerate(one.scenarios if agent.name != EXACT else ()):
                     for seed, gap in enumerate(agent.gaps[i]):
-                        _record(ledger.run(one.key(agent.name, name, seed)), gap)
+                        _record(
+                            ledger.run(one.key(agent.name, name, seed)), gap, 10 if one.track == "C" else 1
+                        )
     return folder
 
 
-def _record(run, gap):
-    lost = Record(Trial(0, (0.9, 0.8, 0.7, 0.6), 10.0, 7), float("inf"), 1)
-    found = Record(Trial(1, (0.1, 0.2, 0.3, 0.4), 1.5, 7), 150.0, 2)
+def _record(run, gap, blocks):
+    lost = Record(Trial(0, (0.9, 0.8, 0.7, 0.6) * blocks, 10.0, 7), float("inf"), 1)
+    found = Record(Trial(1, (0.1, 0.2, 0.3, 0.4) * blocks, 1.5, 7), 150.0, 2)
     run.append([lost, found])
     run.finish(Outcome(found.trial.unit, (100 * (1 + gap),) * 2, (gap, gap)))
 

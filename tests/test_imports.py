@@ -16,7 +16,7 @@ ROOT = Path(antgym.__file__).parent
 FILES = sorted(path.relative_to(ROOT) for path in ROOT.rglob("*.py"))
 LAYERS = ("kernels", "maps", "planners", "tuning", "envs")
 HEAVY = ("torch", "optuna", "matplotlib", "pymoo", "stable_baselines3", "numba", "scipy")
-TORCH = (Path("envs/sb3.py"), Path("envs/extractors.py"))
+TORCH = (Path("envs/sb3.py"), Path("envs/changing.py"), Path("envs/extractors.py"))
 
 
 def imports(file):

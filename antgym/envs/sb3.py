@@ -9,12 +9,11 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from antgym.envs.catalogue import CATALOGUE
-from antgym.envs.control import ControlEnv
+from antgym.envs.changing import ChangingVecEnv, MovedVecEnv
 from antgym.envs.episodes import Observation
 from antgym.envs.extractors import FeatureExtractor, MapExtractor
 from antgym.envs.vector import NativeVectorEnv, env_seeds
 from antgym.errors import MissingExtraError, ParameterError, nearest
-from antgym.tuning.actions import Change, Start, changed, choices, start_of
 
 try:
     from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
@@ -25,6 +24,7 @@ __all__ = [
     "ChangingVecEnv",
     "FeatureExtractor",
     "MapExtractor",
+    "MovedVecEnv",
     "NativeVecEnv",
     "ScaledRewards",
     "make_sb3_vec",
@@ -152,58 +152,6 @@ def make_sb3_vec(env_id: str, n: int, seed: int | None = None, **kwargs: Any) ->
     if not isinstance(native, NativeVectorEnv):
         raise ParameterError(f"{env_id!r} makes no batch of antgym{_hint(env_id)}")
     return NativeVecEnv(native, seed)
-
-
-class ChangingVecEnv(VecEnvWrapper):
-    """Control by factorised changes: an action moves the last block's setting and does not set it anew.
-
-    Args:
-        envs: a batch of Control.
-        how: ``"each"``: `MultiDiscrete`, a change of ``CHANGES`` a parameter; ``"one"``: `Discrete`, a change of one
-            parameter or none, for DQN and its like.
-        start: (d,) setting in [0, 1] that the first action of a run changes, or one by the name of its rules; by
-            default the published one. The observation shows it as the setting of the last block.
-    """
-
-    def __init__(self, envs: NativeVecEnv, how: Change, start: Start | None = None) -> None:
-        if not isinstance(envs.native.envs[0], ControlEnv):
-            raise ParameterError("settings are changed block by block in Control alone")
-        (dimension,) = envs.action_space.shape
-        counts = choices(how, dimension)
-        spaces = gymnasium.spaces
-        space: Any = spaces.MultiDiscrete(list(counts)) if how == "each" else spaces.Discrete(counts[0])
-        super().__init__(envs, action_space=space)
-        self.how, self.start = how, start
-        for one in start.values() if isinstance(start, Mapping) else [] if start is None else [start]:
-            units = np.asarray(one, dtype=np.float64)
-            if units.shape != (dimension,) or not ((units >= 0) & (units <= 1)).all():
-                raise ParameterError(f"start = {one!r}: needs {dimension} values from 0 to 1")
-        self._units = np.zeros((self.num_envs, dimension))
-        self._described = len(envs.native.envs[0].task_features)
-
-    def reset(self) -> Observation:
-        """Begin an episode in every slot."""
-        shown: Observation = self.venv.reset()
-        return self._begin(np.ones(self.num_envs, bool), shown)
-
-    def step_async(self, actions: NDArray[np.int64]) -> None:
-        """Change the settings."""
-        self._units = changed(self._units, actions, self.how)
-        self.venv.step_async((2 * self._units - 1).astype(np.float32))
-
-    def step_wait(self) -> Any:
-        """Step the batch."""
-        shown, rewards, ends, infos = self.venv.step_wait()
-        return self._begin(ends, shown), rewards, ends, infos
-
-    def _begin(self, slots: NDArray[np.bool_], shown: Observation) -> Observation:
-        """Go back to the start in some slots, and show it."""
-        features = shown["features"] if isinstance(shown, dict) else shown
-        dimension = self._units.shape[1]
-        for i in np.flatnonzero(slots):
-            self._units[i] = start_of(self.start, features[i, : self._described], dimension)
-        features[slots, -dimension:] = self._units[slots]
-        return shown
 
 
 class ScaledRewards(VecEnvWrapper):

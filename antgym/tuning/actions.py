@@ -1,6 +1,6 @@
 """What actions ask for: settings, or changes of one; one function each for environments and policies."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -17,8 +17,10 @@ They are binary fractions, so that a walk over them from a setting of the grid s
 KEEP = CHANGES.index(0.0)
 Change = Literal["each", "one"]
 """Whether an action changes each parameter, or one of them at most."""
-Start = Sequence[float] | Mapping[str, Sequence[float]]
-"""A setting that changes begin from, or one for each of some rules; under other rules it is the published default."""
+Choice = Callable[[NDArray[np.float32]], NDArray[np.float64]]
+"""Maps (n, k) features of tasks to (n, d) settings in the unit cube, as a policy of OneShot does."""
+Start = Sequence[float] | Mapping[str, Sequence[float]] | Choice
+"""A setting that changes begin from, one for each of some rules (under others the published default), or a choice."""
 _DEFAULT = 0.5  # of every parameter
 
 
@@ -58,14 +60,24 @@ def changed(units: ArrayLike, picked: ArrayLike, how: Change) -> NDArray[np.floa
     return np.clip(moved, 0.0, 1.0)
 
 
-def start_of(start: Start | None, features: NDArray[np.float32], dimension: int) -> NDArray[np.float64]:
-    """Return the (d,) setting of the grid that changes begin from on a task.
+def moved(starts: ArrayLike, actions: ArrayLike) -> NDArray[np.float64]:
+    """Return the settings of the grid that actions in [-1, 1] move starts to, by half a range at most."""
+    reach = np.clip(np.asarray(actions, dtype=np.float64), -1.0, 1.0)
+    return settings_of(2 * np.asarray(starts, dtype=np.float64) - 1 + reach)
+
+
+def starts_of(start: Start | None, features: NDArray[np.float32], dimension: int) -> NDArray[np.float64]:
+    """Return the (n, d) settings of the grid that changes begin from on some tasks.
 
     Args:
-        start: one setting, one by rules, or None for the published default.
-        features: of the task; they show its rules.
+        start: one setting, one by rules, a choice, or None for the published default.
+        features: (n, k), of the tasks; they show their rules.
         dimension: d.
     """
-    found = start.get(shown_rules(features) or "") if isinstance(start, Mapping) else start
-    units = np.full(dimension, _DEFAULT) if found is None else np.asarray(found, dtype=np.float64)
+    if callable(start):
+        return settings_of(2 * start(features) - 1)
+    units = np.full((len(features), dimension), _DEFAULT)
+    for unit, shown in zip(units, features, strict=True):
+        found = start.get(shown_rules(shown) or "") if isinstance(start, Mapping) else start
+        unit[:] = _DEFAULT if found is None else found
     return settings_of(2 * units - 1)

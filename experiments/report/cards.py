@@ -23,7 +23,8 @@ def agent_card(name: str, boards: Sequence[Board], hue: Hue, labels: Mapping[int
     last = found[-1][2]
     lines = "".join(_result(labels[i], board, row) for i, board, row in found)
     return (
-        f'<article class="card {hue.kind}" data-agent="{hue.number}"><h3>{swatch(hue)}{label(name)}</h3>'
+        f'<article class="card {hue.kind}" id="agent-{hue.number}" data-agent="{hue.number}">'
+        f"<h3>{swatch(hue)}{label(name)}</h3>"
         f'<p>{escape(last.summary)}</p>\n<table class="results"><thead><tr><th scope="col">board</th>'
         f'<th scope="col">place</th><th scope="col">gap %</th><th scope="col">95 %</th></tr></thead>'
         f"<tbody>{lines}</tbody></table>\n"

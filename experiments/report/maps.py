@@ -1,19 +1,24 @@
 """What a page tells of one map: the gaps of every agent and seed, the runs behind them, and paths, if drawn."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
+from antgym.envs.control import BLOCKS
+from antgym.tuning.kept import KeptRun
 from experiments.board import EXACT, Board, Picture
 from experiments.columns import percent
 from experiments.report.hues import Hue
 from experiments.report.picture import drawn, figure, stretch
-from experiments.report.runs import Run, behind
+from experiments.report.runs import behind
 
 SYMBOLS = {"alpha": "α", "beta": "β", "rho": "ρ"}
 
 
-def map_data(board: Board, scenario: int, runs: dict[str, Run], hues: dict[str, Hue]) -> dict[str, Any]:
+def map_data(
+    board: Board, scenario: int, runs: Mapping[str, KeptRun], hues: dict[str, Hue]
+) -> dict[str, Any]:
     """Return the record of one map that the page's script shows, plain JSON.
 
     Raises:
@@ -27,7 +32,7 @@ def map_data(board: Board, scenario: int, runs: dict[str, Run], hues: dict[str, 
             {
                 "agent": hues[row.name].number,
                 "gaps": [round(gap, 6) for gap in row.gaps[scenario]],
-                "runs": [run.data() if run else None for run in found],
+                "runs": found,
             }
         )
     picture = next((one for one in board.pictures if one.name == name), None)
@@ -35,6 +40,7 @@ def map_data(board: Board, scenario: int, runs: dict[str, Run], hues: dict[str, 
         "name": name,
         "rows": rows,
         "parameters": symbols(board),
+        "blocks": BLOCKS if board.track == "C" else 1,  # settings that one run was given, one after the other
         "picture": _picture(board, picture, hues) if picture else None,
     }
 

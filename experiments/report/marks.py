@@ -45,7 +45,7 @@ def _unbroken(heading: str) -> str:
 
 
 def ranking_row(board: Board, row: Row, hue: Hue) -> str:
-    """Return one row of the ranking; what a cell is sorted by stands in ``data-value``."""
+    """Return one row of the ranking; what a cell is sorted by stands in ``data-value``, the name leads to its card."""
     place = board.places.get(row.name)
     values = [column.value(row, board) for column in COLUMNS]
     numbers = "".join(
@@ -55,8 +55,8 @@ def ranking_row(board: Board, row: Row, hue: Hue) -> str:
     return (
         f'<tr class="{row.kind}" data-agent="{hue.number}">'
         f'<td class="place" data-value="{place.number if place else ""}">{place or ""}</td>'
-        f'<th scope="row" data-value="{escape(row.name)}">{swatch(hue)}<span class="name">{label(row.name)}</span>'
-        f'<span class="summary">{escape(row.summary)}</span></th>{numbers}</tr>'
+        f'<th scope="row" data-value="{escape(row.name)}">{swatch(hue)}'
+        f'<a href="#agent-{hue.number}" title="{escape(row.summary)}">{label(row.name)}</a></th>{numbers}</tr>'
     )
 
 

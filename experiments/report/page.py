@@ -15,7 +15,8 @@ from typing import Any
 
 from antgym.console import progress, write_whole
 from antgym.errors import AntgymError, MissingExtraError
-from experiments.board import EXACT, Board
+from antgym.tuning.kept import KeptRun, read_runs
+from experiments.board import EXACT, SBS, VBS, Board
 from experiments.columns import COLUMNS, TIE, size
 from experiments.report import marks
 from experiments.report.cards import agent_card, definition, flat
@@ -23,8 +24,7 @@ from experiments.report.curves import anytime, profile
 from experiments.report.hues import Hue, hues
 from experiments.report.importance import importance
 from experiments.report.maps import map_data, world_of
-from experiments.report.runs import Run, read_runs
-from experiments.report.titles import TRACKS, board_id, board_label, choice, result
+from experiments.report.titles import TRACKS, board_id, board_label, choice, result, site_title
 from experiments.report.versus import versus
 
 HERE = Path(__file__).parent
@@ -71,9 +71,9 @@ def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
         )
     files = {PLOTLY: _plotly(), **{name: _asset(name) for name in ASSETS}}
     looks = hues(boards)
-    runs = read_runs(ledger, {key for board in boards for key in _keys(board)})
-    with progress("page", 2 * len(boards)) as advance:
-        records: dict[str, str] = {}
+    with progress("page", 1 + 2 * len(boards)) as advance:
+        runs, records = read_runs(ledger), dict[str, str]()
+        advance(1)
         for board in boards:
             records |= _records(board, runs, looks)
             advance(1)
@@ -86,16 +86,7 @@ def write_site(boards: Sequence[Board], ledger: Path, folder: Path) -> Path:
     return folder / "index.html"
 
 
-def _keys(board: Board) -> set[str]:
-    return {
-        board.key(row.name, name, seed)
-        for row in board.rows
-        for i, name in enumerate(board.scenarios)
-        for seed in range(len(row.gaps[i]))
-    }
-
-
-def _records(board: Board, runs: dict[str, Run], looks: dict[str, Hue]) -> dict[str, str]:
+def _records(board: Board, runs: Mapping[str, KeptRun], looks: dict[str, Hue]) -> dict[str, str]:
     """Return scripts that hand maps over, by file name: a page from a disk may load scripts, but fetch nothing."""
     name = board_id(board)
     return {
@@ -130,8 +121,7 @@ def _asset(name: str) -> str:
 
 
 def _page(boards: Sequence[Board], looks: dict[str, Hue], data: str, advance: Callable[[int], None]) -> str:
-    titles = list(dict.fromkeys(board.title for board in boards))
-    title = titles[0] if len(titles) == 1 else "Leaderboards"
+    title = site_title(boards)
     panels = []
     for board in boards:
         panels.append(_panels(board, looks))
@@ -231,7 +221,7 @@ def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
     """Return what the scripts know of the site: names and hues, the boards, and the numbers of the curves."""
     tracks = dict.fromkeys(board.track for board in boards)
     first = _first(boards)
-    shown = [row.name for row in first.ranked if row.kind == "agent"][:AT_FIRST]
+    shown = [SBS, VBS, *[row.name for row in first.ranked if row.kind == "agent"][:AT_FIRST]]
     return {
         "first": board_id(first),
         "legend": [looks[name].number for name in _named(boards) if name != EXACT],
@@ -240,7 +230,7 @@ def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
                 "name": name,
                 "colour": hue.colour,
                 "dash": hue.dash,
-                "shown": name in shown or hue.kind == "reference",
+                "shown": name in shown,
             }
             for name, hue in looks.items()
         ],

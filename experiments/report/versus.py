@@ -1,7 +1,5 @@
 """Who beats whom: the probability that one row's run on a map is better than another's, as a table."""
 
-from html import escape
-
 from experiments.board import EXACT, Board, Row
 from experiments.report.hues import Hue
 from experiments.report.marks import label, swatch, upright
@@ -34,7 +32,7 @@ def _odds(rows: list[Row]) -> dict[tuple[str, str], Estimate]:
 
 
 def _line(row: Row, rows: list[Row], odds: dict[tuple[str, str], Estimate], hues: dict[str, Hue]) -> str:
-    cells = "".join(_cell(row, other, odds.get((row.name, other.name)), hues[other.name]) for other in rows)
+    cells = "".join(_cell(odds.get((row.name, other.name)), hues[other.name]) for other in rows)
     hue = hues[row.name]
     return (
         f'<tr class="{row.kind}" data-agent="{hue.number}">'
@@ -42,14 +40,14 @@ def _line(row: Row, rows: list[Row], odds: dict[tuple[str, str], Estimate], hues
     )
 
 
-def _cell(row: Row, other: Row, won: Estimate | None, hue: Hue) -> str:
+def _cell(won: Estimate | None, hue: Hue) -> str:
     if won is None:
         return f'<td class="none" data-agent="{hue.number}">·</td>'
     text = f"{100 * won.mean:.0f}"
-    sure = won.low > 0.5 or won.high < 0.5
-    spoken = f"{row.name} beats {other.name}: {text} % [{100 * won.low:.0f}–{100 * won.high:.0f}]"
+    if won.low > 0.5 or won.high < 0.5:
+        text = f"<b>{text}</b>"
     side = "better" if won.mean >= 0.5 else "worse"
     return (
-        f'<td class="{side}" data-agent="{hue.number}" title="{escape(spoken)}" '
-        f'style="--share:{200 * abs(won.mean - 0.5):.0f}%">{f"<b>{text}</b>" if sure else text}</td>'
+        f'<td class="{side}" data-agent="{hue.number}" style="--share:{200 * abs(won.mean - 0.5):.0f}%">{text}'
+        f"<small>{100 * won.low:.0f}–{100 * won.high:.0f}</small></td>"
     )

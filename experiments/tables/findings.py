@@ -1,6 +1,6 @@
 """Findings: a comparison counted over maps, every figure with its interval, and the claims that are judged by them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ from experiments.statistics import Estimate, cluster_interval, paired_difference
 from experiments.tables.comparison import CAP, Comparison, Outcome, Result, Values
 
 Marks = NDArray[np.bool_]
+REPRODUCED, DIRECTION, NOT_REPRODUCED = "reproduced", "direction only", "not reproduced"
 
 
 class Claim(NamedTuple):
@@ -21,6 +22,13 @@ class Claim(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.text}: **{'holds' if self.holds else 'does not hold'}**. {self.figures}"
+
+
+def verdict(claims: Sequence[Claim]) -> str:
+    """Reproduced where every claim of a paper holds, direction only where the first, its headline, does, else not."""
+    if all(claim.holds for claim in claims):
+        return REPRODUCED
+    return DIRECTION if claims[0].holds else NOT_REPRODUCED
 
 
 class Tally(NamedTuple):
@@ -139,6 +147,7 @@ def numbers(result: Result, findings: Findings) -> dict[str, Any]:
         "family": comparison.family,
         **{name: getattr(comparison, name) for name in ("size", "ants", "iterations", "kappa", "bar")},
         "seed": result.options.seed,
+        "verdict": verdict(findings.claims),
         "claims": [claim._asdict() for claim in findings.claims],
         "maps": {
             name: getattr(findings.tally, name).tolist() for name in ("lower", "tied", "sooner", "both")

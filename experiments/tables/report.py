@@ -16,7 +16,7 @@ from experiments.tables.comparison import (
     Result,
     compare,
 )
-from experiments.tables.findings import Claim, Findings, estimate, find, numbers
+from experiments.tables.findings import Claim, Findings, estimate, find, numbers, verdict
 from experiments.tables.sheet import new_figure, publish, table
 
 HOW = {"without": "improved colony without it", "alone": "basic colony with it alone"}
@@ -42,7 +42,7 @@ def to_text(result: Result, findings: Findings) -> str:
         f"{_parameters(comparison)} A gap is (L − L\\*) / L\\*, L being the shortest length so far and L\\* the exact "
         f"optimum; a run without a path counts as {CAP:g}, as does any gap above. In brackets 95 % intervals: of "
         "counts Wilson's, of means over maps by bootstrap.",
-        f"**Verdict.** {findings.claims[0]}",
+        f"**Verdict: {verdict(findings.claims)}.** {findings.claims[0]}",
         "\n".join(f"- {claim}" for claim in findings.claims[1:]),
         "## On how many maps the improved colony is ahead",
         _counts(findings),

@@ -11,7 +11,7 @@ pytest.importorskip("safetensors", reason="needs the extra rl")
 from blank_models import blank_model
 
 import agents
-from agents.committee import Committee
+from agents.choosing import Committee
 from agents.networks import export
 from agents.policy import PolicyAgent
 from antgym.errors import ParameterError

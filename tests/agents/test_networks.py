@@ -20,7 +20,9 @@ from agents.networks import Player, export, load
 from agents.published import PolicyCard
 from antgym.errors import ParameterError
 
-CASES = [(name, action, None) for name, row in ALGORITHMS.items() for action in row.actions]
+CASES = [
+    (name, action, None) for name, row in ALGORITHMS.items() for action in row.actions if action != "moved"
+]
 CASES += [
     ("PPO", "setting", (3, 16, 16)),
     ("SAC", "setting", (3, 8, 8, 8)),
@@ -73,6 +75,8 @@ WRONG = {
     "action": "jump",
     "parameters": [1],
     "start": [0.5],
+    "follows": "../elsewhere",
+    "follows_sha256": 7,
     "start_evaluations": -1,
     "env": None,
     "arguments": [],
@@ -204,7 +208,8 @@ def test_weights_cut_short_are_noticed(published):
 
 def test_the_readers_import_nothing_that_unpickles():
     folder = Path(agents.__file__).parent
-    for name in ("artefact.py", "published.py", "algorithms.py", "networks.py", "policy.py", "ensemble.py"):
+    readers = ("artefact", "published", "algorithms", "networks", "policy", "ensemble", "choosing")
+    for name in (f"{reader}.py" for reader in readers):
         tree = ast.parse((folder / name).read_text(encoding="utf-8"))
         words = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         words |= {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}

@@ -13,6 +13,8 @@ from blank_models import SIZE, blank_model
 
 import agents
 import agents.policy
+from agents.choosing import Committee, digest_of
+from agents.committee import CommitteeAgent
 from agents.networks import export
 from agents.policy import PolicyAgent
 from antgym.errors import ParameterError
@@ -80,6 +82,27 @@ def test_a_policy_of_trials_proposes_what_its_network_says(tmp_path, bowl):
     action, _ = model.predict(observe(session.task, session.trials[:2], window=WINDOW), deterministic=True)
     np.testing.assert_allclose(session.trials[2].unit, settings_of(action), atol=1e-6)
     assert session.left == 0
+
+
+def test_a_policy_may_correct_what_a_committee_chooses(tmp_path, bowl):
+    """Its moves begin there; before any trial that is what it recommends."""
+    for seed in range(2):
+        export(blank_model(seed=seed), tmp_path / f"seed-{seed}")
+    Committee(("seed-0", "seed-1")).save(tmp_path / "both.json")
+    model, follows = (
+        blank_model(size=TRIALS),
+        {"follows": "both", "follows_sha256": digest_of(tmp_path / "both")},
+    )
+    export(model, tmp_path / "p", regime="Trials", window=WINDOW, action="moved", **follows)
+    agent, session = PolicyAgent(tmp_path / "p"), bowl(4)
+    chosen = tune(CommitteeAgent(tmp_path / "both.json"), bowl(4), seed=0).recommendation
+    agent.reset(session.task, seed=0)
+    assert agent.recommend() == pytest.approx(chosen, abs=2**-24)
+    action, _ = model.predict(observe(session.task, (), window=WINDOW), deterministic=True)
+    assert agent.ask()[0] == pytest.approx(np.clip(chosen + action / 2, 0, 1), abs=1e-6)
+    (tmp_path / "both.json").unlink()
+    with pytest.raises(ParameterError, match="corrects what 'both' chooses, and there is none beside it"):
+        PolicyAgent(tmp_path / "p")
 
 
 def test_a_policy_of_trials_begins_anew_on_every_task(tmp_path, bowl):

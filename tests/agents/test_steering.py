@@ -55,20 +55,23 @@ def test_a_schedule_multiplies_natural_values_and_stays_within_their_ranges(bowl
         ("RecurrentPPO", "each", [0.25, 0.5, 0.75, 0.5], "features"),
         ("DQN", "one", [0.25, 0.5, 0.75, 0.5], "features"),
         ("SAC", "setting", None, "features"),
+        ("PPO", "moved", {"liu2020": [0.25, 0.5, 0.75, 0.5]}, "features"),
         ("A2C", "each", {"liu2020": [0.25, 0.5, 0.75, 0.5]}, "features"),
         ("PPO", "each", None, "map3d"),
     ],
 )
 def test_a_policy_steers_as_it_does_in_its_environment(tmp_path, algorithm, action, start, observation):
     """The batch that it was trained in and the controller walk the same blocks."""
-    from antgym.envs.sb3 import ChangingVecEnv, make_sb3_vec
+    from antgym.envs.sb3 import ChangingVecEnv, MovedVecEnv, make_sb3_vec
 
     picture = None if observation == "features" else (3, 16, 16, 16)
     model = blank_model(algorithm, size=len(CONTROL_FEATURES), picture=picture, action=action)
-    export(model, tmp_path / "p", regime="Control", start=start)
+    export(model, tmp_path / "p", regime="Control", action=action, start=start)
     envs = make_sb3_vec("antgym/MountainControl-v0", 1, seed=3, effort=[3, 40], observation=observation)
     native = envs.native.envs[0]
-    if action != "setting":
+    if action == "moved":
+        envs = MovedVecEnv(envs, start)
+    elif action != "setting":
         envs = ChangingVecEnv(envs, action, start)
     seen, state, ends = envs.reset(), None, np.ones(1, bool)
     session = Session(native._episodes.problem(0), 1)

@@ -13,7 +13,7 @@ from antgym.maps.world import Scenario
 
 pytestmark = pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
 NEARER = property(lambda scenario: 0.8 * scenario.straight_line)  # than any path can be: every gap grows
-SLOTS, STEPS, MAPS = 6, 10, 4
+SLOTS, STEPS, MAPS = 3, 10, 2
 
 
 class AskedError(Exception):

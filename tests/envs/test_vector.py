@@ -51,8 +51,9 @@ def assert_same(one, other):
 
 
 @pytest.mark.parametrize("env_id", IDS)
-@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
-@with_and_without_map
+@pytest.mark.parametrize(
+    ("mode", "observation"), [(AutoresetMode.SAME_STEP, "map"), (AutoresetMode.NEXT_STEP, "features")]
+)
 def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode, observation):
     batch = native(env_id, autoreset_mode=mode, observation=observation)
     alone = singles(env_id, mode, observation=observation)
@@ -65,10 +66,9 @@ def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode, observ
 
 
 @pytest.mark.parametrize("env_id", IDS)
-@with_and_without_map
-def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id, observation):
-    batch = native(env_id, autoreset_mode=AutoresetMode.DISABLED, observation=observation)
-    alone = singles(env_id, AutoresetMode.DISABLED, observation=observation)
+def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id):
+    batch = native(env_id, autoreset_mode=AutoresetMode.DISABLED)
+    alone = singles(env_id, AutoresetMode.DISABLED)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng, over = np.random.default_rng(0), np.zeros(N, bool)
     for _ in range(12):

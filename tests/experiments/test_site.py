@@ -12,9 +12,7 @@ HOSTILE = "</script><script>alert(1)</script><img src='https://evil.example/x' o
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 DESKTOP, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
-TEXTS = (
-    ".lede, .help, .result, .ranking td, .summary, .heat td, .versus td, figcaption, .tools a, .legend button"
-)
+TEXTS = ".lede, .help, .result, .ranking td, .ranking a, .card p, .heat td, .versus td, figcaption, .tools a"
 CONTRAST = """(nodes) => nodes.filter((node) => node.checkVisibility()).map((node) => {
   const paint = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
   const linear = (v) => (v > 0.04 ? ((v + 0.055) / 1.055) ** 2.4 : v / 12.92);
@@ -85,7 +83,7 @@ def go(page, address):
 
 
 def ranking(page):
-    return page.locator(".ranking tbody tr:visible th .name")
+    return page.locator(".ranking tbody tr:visible th a")
 
 
 def drawn(page, plot):
@@ -100,6 +98,8 @@ def test_page_opens_from_a_disk_sorts_and_filters(page):
     expect(ranking(page)).to_have_text(["ga", "exact planner"])
     expect(page.locator("#filtered")).to_have_text("2 of 4")
     expect(page.locator(".versus tbody tr:visible")).to_have_count(1)
+    page.get_by_label("intervals").check()
+    expect(page.locator(".versus:visible small")).to_have_count(6)
     expect(drawn(page, "profile")).to_have_count(1)
 
 
@@ -137,6 +137,16 @@ def test_a_map_shows_paths_gaps_and_the_trials_behind_a_number(page):
     page.locator("#map-choice").select_option("two")
     expect(page.locator("#map-title")).to_have_text("two")
     expect(page.locator("#view")).to_be_hidden()  # the board has no picture of it
+
+
+@pytest.mark.slow
+def test_a_run_that_was_steered_shows_its_settings_block_by_block(page):
+    go(page, "C-0/1/0/0")
+    expect(page.locator("#run-title")).to_have_text("ga on two, seed 0")
+    rows = page.locator(".trials tbody tr").all_inner_texts()
+    assert [row.split("\t") for row in rows] == [
+        [str(i), "0.100", "0.200", "0.300", "0.400"] for i in range(1, 11)
+    ]
 
 
 @pytest.mark.slow

@@ -14,7 +14,18 @@ from experiments.tables import wei2018, zhang2011, zhang_apf
 from experiments.tables.__main__ import Command
 from experiments.tables.comparison import Options, Outcome, Result, compare
 from experiments.tables.draws import draw
-from experiments.tables.findings import find, first_lengths, headline, length_ratio, tally
+from experiments.tables.findings import (
+    DIRECTION,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    Claim,
+    find,
+    first_lengths,
+    headline,
+    length_ratio,
+    tally,
+    verdict,
+)
 from experiments.tables.report import to_text
 
 COMPARISONS = {paper.COMPARISON.paper: paper for paper in (zhang_apf, zhang2011, wei2018)}
@@ -53,7 +64,15 @@ def test_the_verdict_follows_from_the_numbers(paper, maps):
     findings = find(result, paper.claims)
     word = "holds" if maps >= paper.COMPARISON.bar else "does not hold"
     assert f"**{word}**. On {maps} of 100 maps" in str(findings.claims[0])
-    assert f"**Verdict.** {findings.claims[0]}" in to_text(result, findings)
+    assert f"**Verdict: {verdict(findings.claims)}.** {findings.claims[0]}" in to_text(result, findings)
+
+
+@pytest.mark.parametrize(
+    ("held", "word"),
+    [((1, 1), REPRODUCED), ((1, 0), DIRECTION), ((0, 1), NOT_REPRODUCED), ((0, 0), NOT_REPRODUCED)],
+)
+def test_the_word_of_a_verdict_is_that_of_its_claims_the_headline_first(held, word):
+    assert verdict([Claim("", bool(one), "") for one in held]) == word
 
 
 def test_exact_ties_count_as_not_lower_and_are_told():

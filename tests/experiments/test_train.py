@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +11,14 @@ import pytest
 pytest.importorskip("sb3_contrib", reason="needs the extra rl")
 pytest.importorskip("safetensors", reason="needs the extra rl")
 
+from blank_models import blank_model
+
 from agents.algorithms import ALGORITHMS
-from agents.networks import load
+from agents.networks import export, load
 from agents.policy import PolicyAgent
 from agents.published import read_card
 from agents.static import StaticSetting, StaticSettings
+from agents.steering import PolicyController
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.problem import TuningProblem
@@ -38,7 +42,7 @@ FITTING = [
     (name, regime, action)
     for name, regime in product(ALGORITHMS, EFFORT)
     for action in learners.ACTIONS[regime]
-    if action in ALGORITHMS[name].actions
+    if action in ALGORITHMS[name].actions and action != "moved"  # which is a setting plus a constant
 ]
 
 
@@ -121,6 +125,22 @@ def test_changes_begin_from_settings_by_rules_that_a_file_holds(asked, tmp_path)
     card, _ = load(arguments.out)
     assert (card.start, card.start_evaluations) == ({"liu2020": [0.25, 0.5, 0.75, 0.5]}, 7)
     assert "finished" in train.train(arguments)
+
+
+@pytest.mark.parametrize(("algorithm", "regime"), [("PPO", "Trials"), ("SAC", "OneShot"), ("PPO", "Control")])
+def test_what_is_learnt_may_correct_the_choice_of_another_policy(asked, tmp_path, algorithm, regime):
+    export(blank_model(), tmp_path / "first", evaluations=9)
+    arguments = asked(algorithm, regime, action="moved", start_by_policy=tmp_path / "first")
+    check(arguments, train.train(arguments), regime)
+    card, _ = load(arguments.out)
+    assert (card.action, card.follows, card.start_evaluations) == ("moved", "first", 9)
+    assert "finished" in train.train(arguments)
+    export(blank_model(seed=1), tmp_path / "first")
+    play = PolicyController if regime == "Control" else PolicyAgent
+    with pytest.raises(
+        ParameterError, match=r"corrects what 'first' chooses, and .*first\.json is another one"
+    ):
+        play(arguments.out)
 
 
 class StoppedError(Exception):
@@ -220,6 +240,15 @@ def test_the_published_policy_is_the_checkpoint_that_did_best(asked, monkeypatch
         ({"algorithm": "PPPO"}, "unknown algorithm 'PPPO'; did you mean 'PPO'"),
         ({"action": "each"}, "in Control alone"),
         ({"start": (0.5,) * 4}, "only where settings are changed"),
+        ({"action": "moved"}, "moved from where"),
+        (
+            {"action": "moved", "start": (0.5,) * 4, "start_by_policy": Path("first")},
+            "--start and --start-by-policy",
+        ),
+        (
+            {"action": "moved", "start_by_policy": Path("first")},
+            "first.json: neither a policy nor a committee",
+        ),
         ({"regime": "Control", "start": (0.5,)}, "needs 4 values"),
         ({"algorithm": "CrossQ", "kwargs": {"observation": "map"}}, "CrossQ reads no maps"),
         ({"kwargs": {"sweet": 1}}, "unknown environment argument 'sweet'"),

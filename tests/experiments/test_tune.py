@@ -15,7 +15,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("optuna")
 
 from antgym import cli, plan_file
-from antgym.errors import AgentError, BudgetError, LedgerError, ParameterError
+from antgym.errors import AgentError, AntgymError, BudgetError, LedgerError, ParameterError
 from antgym.tuning.ledger import TRIALS
 from experiments import artefacts, tune
 from experiments.tune import Arguments
@@ -70,7 +70,7 @@ def test_no_trial_asks_for_no_ledger(tmp_path):
 
 
 def test_a_run_that_was_killed_goes_on_and_ends_as_if_nothing_had_been(tmp_path):
-    options = (*ENDS, "--agent", "random_search", "--budget", "400", "--iterations", "100", "--no-picture")
+    options = (*ENDS, "--agent", "random_search", "--budget", "200", "--iterations", "30", "--no-picture")
     whole = shell(HILLS, *options, "--out", tmp_path / "whole")
     command = [sys.executable, "-m", "experiments.tune", str(HILLS), *options, "--out", str(tmp_path / "way")]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -82,8 +82,8 @@ def test_a_run_that_was_killed_goes_on_and_ends_as_if_nothing_had_been(tmp_path)
     process.wait()
     kept = len(trials.read_text().splitlines())
     again = shell(HILLS, *options, "--out", tmp_path / "way")
-    assert 0 < kept < 400
-    assert len(trials.read_text().splitlines()) == 400
+    assert 0 < kept < 200
+    assert len(trials.read_text().splitlines()) == 200
     assert again.stdout.replace("way", "whole").splitlines()[:2] == whole.stdout.splitlines()[:2]
     assert trials.read_bytes() == (tmp_path / "whole.trials" / TRIALS).read_bytes()
 
@@ -165,21 +165,26 @@ def test_a_trained_agent_tunes_from_its_folder(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("changes", "words"),
     [
-        (("--budget", "-1"), "must be 0 or more"),
-        (("--fresh", "0"), "at least 1"),
-        (("--agent", "optuna_tp"), "did you mean 'optuna_tpe'"),
-        (("--rules", "ants"), "unknown rules"),
-        (("--ants", "0"), "ants = 0"),
-        (("--artefact", "x"), "--artefact"),
+        ({"budget": -1}, "must be 0 or more"),
+        ({"fresh": 0}, "at least 1"),
+        ({"agent": "optuna_tp"}, "did you mean 'optuna_tpe'"),
+        ({"rules": "ants"}, "unknown rules"),
+        ({"ants": 0}, "ants = 0"),
     ],
 )
-def test_what_is_wrong_is_one_line(tmp_path, options, words):
-    done = shell(HILLS, *ENDS, *options, "--out", tmp_path / "way")
+def test_what_is_wrong_is_named_and_nothing_is_written(tmp_path, changes, words):
+    with pytest.raises(AntgymError, match=words):
+        tune.run(arguments(tmp_path, **changes))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_wrong_is_one_line(tmp_path):
+    done = shell(HILLS, *ENDS, "--artefact", "x", "--out", tmp_path / "way")
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
-    assert words in done.stderr
+    assert "--artefact" in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 TAUS = (0.05, 0.1, 0.2, 0.4)
+EFFECTS = (0.1, 0.5, 1.5)  # true differences over their standard deviation
 P_VALUES = (0.01, 0.04, 0.03, 0.005, 0.5, 0.03)
 
 
@@ -43,6 +44,7 @@ def main():
     """Measure and write."""
     from rliable import library, metrics
     from statsmodels.stats.multitest import multipletests
+    from statsmodels.stats.power import TTestPower
 
     a, b, alone = drawn(12, 5, 1), drawn(12, 3, 2), drawn(30, 1, 3)
     profile = library.score_distributions(1 - a.T, [1 - tau for tau in TAUS])
@@ -53,6 +55,7 @@ def main():
         "performance_profile": profile.tolist(),
         "probability_of_improvement": metrics.probability_of_improvement(1 - a.T, 1 - b.T),
         "intervals": intervals(alone),
+        "pairs_needed": [float(TTestPower().solve_power(e, power=0.8, alpha=0.05)) for e in EFFECTS],
         "holm": multipletests(P_VALUES, method="holm")[1].tolist(),
     }
     text = json.dumps(numbers, indent=1) + "\n"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from antgym.tuning.actions import CHANGES, KEEP, changed, choices, settings_of, start_of
+from antgym.tuning.actions import CHANGES, KEEP, changed, choices, moved, settings_of, starts_of
 from antgym.tuning.features import TASK_FEATURES
 
 
@@ -43,9 +43,22 @@ def test_a_walk_over_changes_stays_on_the_grid(how):
 
 
 def test_changes_begin_from_the_setting_of_the_rules_or_the_default():
-    shown = np.array([feature.name == "rules_max_min" for feature in TASK_FEATURES], np.float32)
+    shown = np.array([[feature.name == "rules_max_min" for feature in TASK_FEATURES]], np.float32)
     starts = {"max_min": [0.1] * 4, "elitist": [0.9] * 4}
-    assert start_of(starts, shown, 4) == pytest.approx([0.1] * 4, abs=1e-7)
-    assert start_of({"elitist": [0.9] * 4}, shown, 4).tolist() == [0.5] * 4
-    assert start_of(None, shown, 4).tolist() == [0.5] * 4
-    assert start_of([0.25] * 4, shown, 4).tolist() == [0.25] * 4
+    assert starts_of(starts, shown, 4)[0] == pytest.approx([0.1] * 4, abs=1e-7)
+    assert starts_of({"elitist": [0.9] * 4}, shown, 4).tolist() == [[0.5] * 4]
+    assert starts_of(None, shown, 4).tolist() == [[0.5] * 4]
+    assert starts_of([0.25] * 4, shown, 4).tolist() == [[0.25] * 4]
+
+
+def test_changes_begin_from_what_is_chosen_for_each_task():
+    shown = np.zeros((3, len(TASK_FEATURES)), np.float32)
+    shown[:, 0] = 0.25, 0.5, 0.75
+    begun = starts_of(lambda features: np.repeat(features[:, :1].astype(float), 4, axis=1), shown, 4)
+    assert begun.tolist() == [[0.25] * 4, [0.5] * 4, [0.75] * 4]
+
+
+def test_a_move_goes_half_a_range_at_most_and_stays_in_the_cube():
+    starts = settings_of([[0.0, 0.5, -0.5, 0.0]])
+    assert moved(starts, [[0.0, 0.25, 1.0, 9.0]]).tolist() == [[0.5, 0.875, 0.75, 1.0]]
+    assert moved(starts, np.zeros((1, 4))).tolist() == starts.tolist()

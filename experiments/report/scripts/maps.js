@@ -64,32 +64,48 @@
     return null;
   }
 
+  const names = ({ parameters }, count) => Array.from({ length: count }, (_, i) => parameters[i] ?? `parameter ${i + 1}`);
+  const settings = (unit) => unit.map((value) => value.toFixed(3));
+
+  function fill(table, headings, rows) {
+    table.tHead.replaceChildren(element("tr", {}, ...headings.map(heading)));
+    table.tBodies[0].replaceChildren(...rows);
+    table.parentElement.hidden = rows.length === 0;
+  }
+
   function trialRow(trial, i, best, recommended, shortest) {
     const [cost, length] = trial.slice(-2);
     const gap = length === null || shortest === null ? "–" : percent(Math.max(0, length / shortest - 1));
-    const numbers = [String(i), ...trial.slice(0, -2).map((unit) => unit.toFixed(3)), cost.toFixed(3)];
-    const row = element("tr", {}, ...cells([...numbers, length === null ? "no path" : length.toLocaleString("en"), gap]));
+    const reached = length === null ? "no path" : length.toLocaleString("en");
+    const row = element("tr", {}, ...cells([String(i), ...settings(trial.slice(0, -2)), cost.toFixed(3), reached, gap]));
     if (i === best) row.classList.add("best");
     row.append(element("td", { class: "mark" }, recommended ? "recommended" : ""));
     return row;
   }
 
   function listTrials(record, { unit, trials: paid }) {
-    const names = unit.map((_, i) => record.parameters[i] ?? `parameter ${i + 1}`);
-    trials.tHead.replaceChildren(element("tr", {}, ...["trial", ...names, "cost", "length", "gap %", ""].map(heading)));
     const costs = paid.map((trial) => trial.at(-2));
     const best = costs.indexOf(Math.min(...costs));
     const same = (trial) => unit.every((value, i) => value === trial[i]);
     const shortest = optimum(record);
-    trials.tBodies[0].replaceChildren(...paid.map((trial, i) => trialRow(trial, i, best, same(trial), shortest)));
-    trials.parentElement.hidden = paid.length === 0;
+    const rows = paid.map((trial, i) => trialRow(trial, i, best, same(trial), shortest));
+    fill(trials, ["trial", ...names(record, unit.length), "cost", "length", "gap %", ""], rows);
   }
 
-  function note({ unit, gaps, trials: paid }) {
-    const setting = unit.map((value) => value.toFixed(3)).join(", ");
-    const fresh = gaps.map((gap) => (gap >= 1 ? "100" : percent(gap))).join(", ");
-    const spent = paid.length ? `Below, the ${paid.length === 1 ? "trial" : `${paid.length} trials`} it paid for; bold is the cheapest.` : "It paid for no trial.";
-    return `Recommended setting, on the unit cube: (${setting}). ${gaps.length === 1 ? "Its run" : `Its ${gaps.length} fresh runs`}, gap in per cent: ${fresh}. ${spent}`;
+  // of a run that was steered: what it was given, one block after the other
+  function listBlocks(record, { unit }) {
+    const count = unit.length / record.blocks;
+    const rows = Array.from({ length: record.blocks }, (_, i) =>
+      element("tr", {}, ...cells([String(i + 1), ...settings(unit.slice(i * count, (i + 1) * count))])));
+    fill(trials, ["block", ...names(record, count)], rows);
+  }
+
+  function note({ blocks }, { unit, gaps, failure, trials: paid }) {
+    if (failure) return `It failed and counts as no path: ${failure}`;
+    const reached = `gap in per cent: ${gaps.map((gap) => (gap >= 1 ? "100" : percent(gap))).join(", ")}.`;
+    if (blocks > 1) return `The run that was steered, ${reached} Below, its settings block by block, each in 0 … 1 of its range.`;
+    const spent = paid.length === 0 ? "It paid for no trial." : `Below, what it paid for: ${paid.length} trial${paid.length === 1 ? "" : "s"}; bold is the cheapest.`;
+    return `Recommended setting, each number in 0 … 1 of its range: (${settings(unit).join(", ")}). Its fresh runs, ${reached} ${spent}`;
   }
 
   function showRun(record) {
@@ -98,8 +114,9 @@
     document.getElementById("run").hidden = !run;
     if (!run) return;
     document.getElementById("run-title").textContent = `${site.agents[agent].name} on ${record.name}, seed ${seed}`;
-    document.getElementById("run-note").textContent = note(run);
-    listTrials(record, run);
+    document.getElementById("run-note").textContent = note(record, run);
+    if (record.blocks > 1) listBlocks(record, run);
+    else listTrials(record, run);
   }
 
   function showView({ picture }) {

@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.statistics import Estimate, paired_difference
-from experiments.tables.findings import estimate
+from experiments.tables.findings import DIRECTION, NOT_REPRODUCED, REPRODUCED, estimate
 from experiments.tables.liu2020.draw import Answer, Draw
 from experiments.tables.liu2020.methods import COPY, METHODS, TRANSFER, Method
 from experiments.tables.report import percent
 
 Values = NDArray[np.float64]
 SMALL_PART = 0.1  # of a search's time; the paper's transfer takes 0.2 to 0.5 % of it
-REPRODUCED, DIRECTION, NOT_REPRODUCED = "reproduced", "direction only", "not reproduced"
 
 
 class Standing(NamedTuple):

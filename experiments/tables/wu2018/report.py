@@ -12,7 +12,7 @@ from antgym.maps.discs import DiscScenario
 from experiments.artefacts import derived_seed
 from experiments.statistics import Estimate, paired_difference
 from experiments.tables.draws import draw
-from experiments.tables.findings import Claim, estimate
+from experiments.tables.findings import Claim, estimate, verdict
 from experiments.tables.report import percent
 from experiments.tables.sheet import new_figure, publish, table
 from experiments.tables.wu2018.hives import BEES, CYCLES, SEEDS, Outcome, fly, hives
@@ -103,16 +103,16 @@ def to_text(
 ) -> str:
     """Return the Markdown."""
     optimum = np.mean([scenario.optimum for scenario in scenarios])
-    held = {pair: sum(claim.holds for claim in claims) for pair, claims in judged.items()}
     verdicts = [
-        f"{held[pair]} of {len(MEASURES)} directions hold between `{pair[0]}` and `{pair[1]}`"
-        for pair in PAIRS
+        f"**{verdict(claims)}** between `{pair[0]}` and `{pair[1]}`, where {sum(claim.holds for claim in claims)} of "
+        f"{len(claims)} directions hold"
+        for pair, claims in judged.items()
     ]
     parts = [
         f"# wu2018: TS-ABC against ABC in {len(scenarios)} worlds of {DISCS} obstacles",
         f"{BEES} bees x {CYCLES:,} cycles, {SEEDS} seeds a world; the exact optimum is {optimum:.2f} cm in the mean. "
         "In brackets 95 % intervals from a bootstrap over worlds.",
-        f"**Verdict.** {'; '.join(verdicts)}.",
+        f"**Verdict:** {'; '.join(verdicts)}.",
         *(
             f"`{pair[0]}` against `{pair[1]}`:\n\n" + "\n".join(f"- {claim}" for claim in claims)
             for pair, claims in judged.items()
