@@ -74,9 +74,10 @@ def in_shards(given, count):
 
 
 def test_units_in_threads_and_shards_give_the_ledger_of_one_process(tiny, tmp_path):
-    whole = in_one_process(tiny("whole"))
-    assert sweep(tiny("threads", traces=True)).endswith("threads/index.html")
-    in_shards(tiny("shards", unit=1), 3)
+    tracks = ("A", "C")
+    whole = in_one_process(tiny("whole", track=tracks))
+    assert sweep(tiny("threads", track=tracks, traces=True)).endswith("threads/index.html")
+    in_shards(tiny("shards", track=tracks, unit=1), 3)
     for name in ("threads", "shards"):
         assert sorted_lines(tmp_path / name) == whole
         assert not (tmp_path / name / UNITS).exists()
@@ -167,6 +168,15 @@ def test_units_are_the_same_whatever_of_them_is_done(tmp_path):
 def test_options_that_do_not_fit_are_named(tiny, changes, message):
     with pytest.raises(ParameterError, match=message):
         sweep(tiny("board", **changes))
+
+
+def test_what_cannot_be_played_is_told_before_anything_is_written(tmp_path):
+    with pytest.raises(ParameterError, match="did you mean 'random_search'"):
+        sweep(Arguments("smoke", tmp_path / "board", ("random_serch",)))
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "file").write_text("")
+    with pytest.raises(LedgerError, match="file cannot hold a sweep: "):
+        sweep(Arguments("smoke", tmp_path / "file", AGENTS))
 
 
 @pytest.mark.slow
