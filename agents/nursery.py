@@ -72,6 +72,8 @@ class Nursery:
 
     def end(self, pid: int) -> Ended:
         """End a process; what it used is unknown, 0, where the nursery is gone."""
+        if self._control.fileno() < 0:  # closed, and all its processes with it
+            return Ended(-signal.SIGKILL, 0.0)
         try:
             return Ended(**self._order({"pid": pid}))
         except EOFError:

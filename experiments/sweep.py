@@ -11,6 +11,7 @@ command goes on where it was; ``experiments.status`` says what is missing.
 """
 
 import fcntl
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields
@@ -69,6 +70,7 @@ class Sweep:
     def __init__(self, arguments: Arguments) -> None:
         self.arguments = arguments
         self.board = board_of(arguments)
+        leaderboard.plan_board(self.board)  # what cannot be played is told before anything is written
         with _training(arguments.out):
             self.plan, runs = board_runs(self.board)
         self.keys = [job.key for job in runs]
@@ -91,9 +93,17 @@ def board_of(arguments: Arguments) -> leaderboard.Arguments:
 @contextmanager
 def _training(out: Path) -> Iterator[None]:
     """Let one process at a time train agents: of many that begin together the others find the files there."""
-    out.mkdir(parents=True, exist_ok=True)
-    with (out / "training.lock").open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        lock = (out / "training.lock").open("w")
+    except OSError as error:
+        raise LedgerError(f"{out} cannot hold a sweep: {error}") from None
+    with lock as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print(f"another process trains the agents of {out}; waiting for it", file=sys.stderr)
+            fcntl.flock(file, fcntl.LOCK_EX)
         yield
 
 

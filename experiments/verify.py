@@ -140,8 +140,9 @@ def _steered(controller: PolicyController, this: TuningProblem) -> Floats:
 def interval(gaps: Floats, claimed_seeds: int) -> tuple[float, float]:
     """Return where a mean over other seeds of the same maps lies, with ``CONFIDENCE``.
 
-    Maps are those of the claim, so that only seeds differ: their variance within a map, pooled over maps, tells how far
-    two means may lie apart, one over our seeds and one over those of the claim.
+    Maps are those of the claim, so that only seeds differ. Their variance within each map tells how far two means may
+    lie apart, one over our seeds and one over those of the claim. Maps are unlike, so Student's t has the degrees of
+    freedom that Satterthwaite (1946) gives a sum of unlike variances.
 
     Args:
         gaps: (maps, seeds), at least two seeds.
@@ -150,9 +151,11 @@ def interval(gaps: Floats, claimed_seeds: int) -> tuple[float, float]:
     from scipy.stats import t
 
     maps, seeds = gaps.shape
-    variance = float(gaps.var(axis=1, ddof=1).mean())
-    error = np.sqrt(variance * (1 / seeds + 1 / claimed_seeds) / maps)
-    half = float(t.ppf((1 + CONFIDENCE) / 2, maps * (seeds - 1)) * error) + DIGIT
+    variances = gaps.var(axis=1, ddof=1)
+    error = np.sqrt(variances.mean() * (1 / seeds + 1 / claimed_seeds) / maps)
+    squares = float((variances**2).sum())
+    freedom = (seeds - 1) * float(variances.sum()) ** 2 / squares if squares else maps * (seeds - 1)
+    half = float(t.ppf((1 + CONFIDENCE) / 2, freedom) * error) + DIGIT
     return float(gaps.mean()) - half, float(gaps.mean()) + half
 
 

@@ -1,5 +1,7 @@
 """Strangers' agents: an honest one is an agent like any other, and every other kind ends its own run alone."""
 
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -60,7 +62,7 @@ def test_an_honest_agent_does_what_it_would_do_in_the_same_process(play, problem
         ("Dies", r"ask\(\) ended its process \(exit status 3\)"),
         ("IsKilled", r"recommend\(\) ended its process \(signal 9\)"),
         ("Exits", r"ask\(\) raised SystemExit: goodbye"),
-        ("EatsMemory", r"ask\(\) raised MemoryError"),
+        ("EatsMemory", r"ask\(\) raised MemoryError: Unable to allocate 8.00 GiB"),
         ("PlansItself", r"may not import antgym.planners.*paid for"),
         ("MakesAnEnvironment", r"reset\(\) raised AgentError: an agent may not import antgym.envs"),
         ("ReadsTheBoard", r"reset\(\) raised AgentError: an agent may not import experiments"),
@@ -128,15 +130,56 @@ def test_time_in_any_thread_is_counted(play):
     assert agent.cpu >= 0.1
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads the state of a process from /proc")
+needs_proc = pytest.mark.skipif(
+    not Path("/proc/self/stat").exists(), reason="reads the state of a process from /proc"
+)
+
+
+def lives(pid):
+    """Whether a process is there and not merely waiting to be buried."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def require_end(pid):
+    deadline = time.monotonic() + 10
+    while lives(pid):
+        assert time.monotonic() < deadline
+
+
+@needs_proc
 def test_no_process_outlives_a_run(play):
     agent, _, result = play("Abandons")
-    left = Path(f"/proc/{round(result.recommendation[0] * 2**22)}/stat")
-    assert left.read_text().split()[2] in "SR"
+    pid = round(result.recommendation[0] * 2**22)
+    assert lives(pid)
     agent.close()
-    deadline = time.monotonic() + 5
-    while left.exists() and left.read_text().split()[2] != "Z":  # it is killed, if not yet buried
-        assert time.monotonic() < deadline
+    require_end(pid)
+
+
+HARNESS = """
+import sys, time, agents
+from antgym.maps.suites import load_suite
+from experiments.artefacts import problem
+agent = agents.make(sys.argv[1])
+agent.reset(problem(load_suite("mountain-v0", "test")[0], "test").task(5), seed=0)
+print(agent._child.pid, flush=True)
+agent.ask()
+"""
+
+
+@pytest.mark.slow
+@needs_proc
+def test_no_process_outlives_a_harness_that_was_killed():
+    """Not even one that hangs, and will never read that the other end is closed."""
+    command = [sys.executable, "-c", HARNESS, f"{ZOO}:HangsAwake"]
+    root = Path(agents.__file__).parents[1]
+    with subprocess.Popen(command, cwd=root, stdout=subprocess.PIPE, text=True) as harness:
+        pid = int(harness.stdout.readline())
+        assert lives(pid)
+        harness.kill()
+    require_end(pid)
 
 
 @pytest.mark.slow

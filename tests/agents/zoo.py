@@ -105,7 +105,7 @@ class Exits(Honest):
 
 class EatsMemory(Honest):
     def ask(self):
-        return np.ones(1 << 40)
+        return np.zeros((1 << 28, len(self.task.space)))
 
 
 class PlansItself(Honest):

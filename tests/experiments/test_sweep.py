@@ -74,9 +74,10 @@ def in_shards(given, count):
 
 
 def test_units_in_threads_and_shards_give_the_ledger_of_one_process(tiny, tmp_path):
-    whole = in_one_process(tiny("whole"))
-    assert sweep(tiny("threads", traces=True)).endswith("threads/index.html")
-    in_shards(tiny("shards", unit=1), 3)
+    tracks = ("A", "C")
+    whole = in_one_process(tiny("whole", track=tracks))
+    assert sweep(tiny("threads", track=tracks, traces=True)).endswith("threads/index.html")
+    in_shards(tiny("shards", track=tracks, unit=1), 3)
     for name in ("threads", "shards"):
         assert sorted_lines(tmp_path / name) == whole
         assert not (tmp_path / name / UNITS).exists()
@@ -169,13 +170,22 @@ def test_options_that_do_not_fit_are_named(tiny, changes, message):
         sweep(tiny("board", **changes))
 
 
+def test_what_cannot_be_played_is_told_before_anything_is_written(tmp_path):
+    with pytest.raises(ParameterError, match="did you mean 'random_search'"):
+        sweep(Arguments("smoke", tmp_path / "board", ("random_serch",)))
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "file").write_text("")
+    with pytest.raises(LedgerError, match="file cannot hold a sweep: "):
+        sweep(Arguments("smoke", tmp_path / "file", AGENTS))
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::Warning:distributed.*", "ignore::ResourceWarning")
 def test_processes_a_dask_cluster_and_three_merged_shards_give_the_ledger_of_one_process(arguments, tmp_path):
     pytest.importorskip("distributed")
     whole = in_one_process(arguments("whole"))
     for backend in BACKENDS:
-        sweep(arguments(backend, backend=backend, unit=4))
-        assert sorted_lines(tmp_path / backend) == whole
+        sweep(arguments(backend, backend=backend, unit=4, shard="1/1"))  # whose pages nobody needs
+        assert sorted_lines(Shard(1, 1).folder(tmp_path / backend)) == whole
     in_shards(arguments("shards", backend="threading"), 3)
     assert sorted_lines(tmp_path / "shards") == whole
