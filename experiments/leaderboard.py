@@ -26,8 +26,8 @@ from experiments import provenance, tracks
 from experiments.artefacts import prepare
 from experiments.board import Track
 from experiments.contest import Entrant, enter, foreign_files
-from experiments.control import policy_hashes, steerable
 from experiments.presets import PRESETS, Preset
+from experiments.steering import policy_hashes, steerable
 from experiments.tracks import ALWAYS, Job, Round
 
 PROGRAM = "python -m experiments.leaderboard"

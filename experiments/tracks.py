@@ -12,7 +12,7 @@ import agents
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import Ledger
-from experiments import contest, control
+from experiments import contest, steering
 from experiments.board import SBS, Track
 
 TRACKS: tuple[Track, ...] = ("A", "B", "C")
@@ -24,8 +24,8 @@ WITHOUT_TRIALS = ("uniform_random", "published_default", "rule_of_thumb")
 SEARCH = "random_search"
 ALWAYS = (*WITHOUT_TRIALS[:2], SEARCH, SBS, SBS_BY_RULE, "copy_best_source", "regression")
 """On every board; where they are not asked for as agents, as references without a place."""
-Entrant = contest.Entrant | control.Entrant
-Job = contest.Job | control.Job
+Entrant = contest.Entrant | steering.Entrant
+Job = contest.Job | steering.Job
 
 
 class Round(NamedTuple):
@@ -40,7 +40,7 @@ class Round(NamedTuple):
     def job(self, entrant: Any, item: SuiteItem, seed: int) -> Job:
         """Return one run."""
         if self.track == "C":
-            return control.Job(entrant, item, seed)
+            return steering.Job(entrant, item, seed)
         return contest.Job(entrant, item, seed, self.budget)
 
     @property
@@ -96,10 +96,10 @@ def per_map(track: Track, entrants: Sequence[contest.Entrant], budget: int) -> t
 
 def within_runs(
     entrants: Sequence[contest.Entrant], suite: str, policies: Sequence[str]
-) -> tuple[control.Entrant, ...]:
+) -> tuple[steering.Entrant, ...]:
     """Return who steers in C: what B's agents recommend without a trial, the card's schedule, and policies."""
     constants = per_map("B", entrants, 0)
-    return tuple(control.steering(constants, policies, SBS_BY_RULE, control.find_schedule(suite)))
+    return tuple(steering.controllers(constants, policies, SBS_BY_RULE, steering.find_schedule(suite)))
 
 
 def jobs(rounds: Iterable[Round]) -> list[Job]:
@@ -114,4 +114,4 @@ def jobs(rounds: Iterable[Round]) -> list[Job]:
 def play(todo: Sequence[Job], ledger: Ledger, fresh: int, advance: Callable[[int], None]) -> None:
     """Play what is missing of some runs, of whatever track."""
     contest.play((job for job in todo if isinstance(job, contest.Job)), ledger, fresh, advance)
-    control.play([job for job in todo if isinstance(job, control.Job)], ledger, advance)
+    steering.play([job for job in todo if isinstance(job, steering.Job)], ledger, advance)

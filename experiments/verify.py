@@ -31,7 +31,7 @@ from antgym.tuning.run_features import observe_run
 from antgym.tuning.session import Session, steer_together
 from experiments.artefacts import derived_seed, problem
 from experiments.columns import percent
-from experiments.control import steerable
+from experiments.steering import steerable
 
 Floats = NDArray[np.float64]
 FRESH = 16  # runs that judge a recommendation, as on boards

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from antgym.errors import AntgymError
 from antgym.maps.suites import load_suite
-from experiments import contest, control
+from experiments import contest, steering
 from experiments.board import EXACT, SBS, VBS, to_markdown, to_table
 from experiments.budgets import budgets_to_markdown, by_budget
 from experiments.columns import COLUMNS, percent
@@ -173,7 +173,7 @@ def test_boards_that_do_not_fit_together_are_refused():
 def test_a_board_finds_its_runs_in_the_ledger_under_the_keys_they_were_played_with(track):
     item = load_suite("mountain-v0", "test")[3]
     if track == "C":
-        job = control.Job(control.Entrant("ga", None, 0), item, 2)
+        job = steering.Job(steering.Entrant("ga", None, 0), item, 2)
     else:
         job = contest.Job(contest.Entrant("ga", "agent", "", None, 0), item, 2, 20)
     assert board(row(), track=track, budget=20).key("ga", item.name, 2) == job.key

@@ -15,7 +15,7 @@ from agents.static import StaticSetting, StaticSettings
 from antgym.errors import LedgerError, ParameterError
 from antgym.tuning.problem import TRIAL
 from antgym.tuning.run_features import CONTROL_FEATURES
-from experiments import contest, control
+from experiments import contest, control, steering
 from experiments.control import Arguments, race
 
 UNIT, NAMES = (0.6, 0.9, 0.4, 0.5), ("alpha", "beta", "rho", "Q")
@@ -49,7 +49,7 @@ def test_a_constant_walks_the_runs_of_one_shot(asked):
     for line in map(json.loads, outcomes(arguments)):
         name, seed = line["run"].partition("/")[2].rsplit("/", 1)
         item = next(item for item in items if item.name == name)
-        problem = control.problem(item, "control", int(seed))
+        problem = steering.problem(item, "control", int(seed))
         alone = problem.run(np.array([UNIT]), TRIAL, 0)
         assert line["lengths"] == [length if (length := float(alone.lengths[0])) < np.inf else None]
         assert line["gaps"] == problem.gap(alone.lengths).tolist()
@@ -84,7 +84,7 @@ def test_a_race_that_was_stopped_ends_in_the_same_ledger_and_plays_nothing_twice
     whole, cut = asked("published_default", out="whole"), asked("published_default", out="cut")
     race(whole)
     monkeypatch.setattr(contest, "TOGETHER", 5)
-    play, calls = control._play_together, []
+    play, calls = steering._play_together, []
 
     def stopping(some, runs):
         calls.append([job.key for job in some])
@@ -92,7 +92,7 @@ def test_a_race_that_was_stopped_ends_in_the_same_ledger_and_plays_nothing_twice
             raise KeyboardInterrupt
         play(some, runs)
 
-    monkeypatch.setattr(control, "_play_together", stopping)
+    monkeypatch.setattr(steering, "_play_together", stopping)
     with pytest.raises(KeyboardInterrupt):
         race(cut)
     race(cut)
@@ -105,7 +105,7 @@ def test_a_race_that_was_stopped_ends_in_the_same_ledger_and_plays_nothing_twice
 def test_a_controller_that_comes_later_is_played_alone(asked, monkeypatch):
     race(asked())
     played = []
-    monkeypatch.setattr(control, "_play_together", lambda some, runs: played.extend(some))
+    monkeypatch.setattr(steering, "_play_together", lambda some, runs: played.extend(some))
     with pytest.raises(AssertionError):
         race(asked("published_default"))
     assert {job.entrant.name for job in played} == {"published_default"}

@@ -1,0 +1,175 @@
+"""Runs that are steered: who sets the parameters on the way, the runs of a contest of them, and how they are played.
+
+What takes part is an agent, whose recommendation without a trial then stays; the schedule that a suite's card tells of,
+on top of such a setting; or the file of a policy: one of Control steers, one of OneShot chooses once. All play the same
+seeds, which no training and no other harness uses.
+"""
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from copy import copy
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.policy import PolicyAgent
+from agents.published import beside, read_card, stem_of
+from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
+from antgym.envs.cards import load_card
+from antgym.envs.catalogue import WORLDS
+from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
+from antgym.errors import AgentError, ParameterError
+from antgym.maps.suites import SuiteItem, load_suite
+from antgym.planners.swarms import parameter_names
+from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
+from antgym.tuning.problem import TuningProblem
+from antgym.tuning.run_features import observe_run
+from antgym.tuning.session import Session, steer_together
+from experiments import contest, provenance
+from experiments.artefacts import derived_seed, problem
+from experiments.contest import failed, play_missing, told
+from experiments.headroom.schedules import family
+
+SCHEDULE = "schedule"
+
+
+class Entrant(NamedTuple):
+    """A controller in the race, and the planner runs that made it; None where its card says so."""
+
+    name: str
+    controller: Controller
+    training: int | None
+    kind: Literal["agent", "reference"] = "agent"
+    summary: str = ""
+
+
+class Job(NamedTuple):
+    """One entrant on one map under one seed."""
+
+    entrant: Entrant
+    item: SuiteItem
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """How the ledger calls this run."""
+        return f"{self.entrant.name}/{self.item.name}/{self.seed}"
+
+    @property
+    def problem(self) -> TuningProblem:
+        """What is planned; the same planner seed for every entrant."""
+        return problem(self.item, "control", self.seed)
+
+    @property
+    def controller(self) -> Controller:
+        """A copy of the entrant's controller for this run alone."""
+        controller = copy(self.entrant.controller)
+        if isinstance(controller, ConstantController):
+            controller.agent = told(controller.agent, self.item)
+        return controller
+
+
+def play(todo: Sequence[Job], ledger: Ledger, advance: Callable[[int], None]) -> None:
+    """Play what is missing of a race, many runs in lock-step: a block of all of them is one planner call."""
+    play_missing(todo, ledger, _play_together, advance)
+
+
+def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
+    started, thinking = time.perf_counter(), 0.0
+    sessions, controllers, sound = [], [], []
+    for job, run in zip(some, runs, strict=True):
+        session, controller = Session(job.problem, 1, run), job.controller
+        try:
+            seed = derived_seed(job.entrant.name, job.item.scenario.digest, job.seed)
+            controller.reset(session.task, seed=seed)
+        except AgentError as error:
+            run.finish(failed(len(session.task.space), 1, str(error)))
+            continue
+        session.open(BLOCKS)
+        sessions.append(session)
+        controllers.append(controller)
+        sound.append(run)
+    for _ in range(BLOCKS):
+        begun = time.perf_counter()
+        units = [_act(controller, session) for controller, session in zip(controllers, sessions, strict=True)]
+        thinking += time.perf_counter() - begun
+        steer_together(list(zip(sessions, units, strict=True)))
+    planning = time.perf_counter() - started - thinking
+    with runs[0].hold():
+        for session, run in zip(sessions, sound, strict=True):
+            (trial,) = session.trials
+            gaps = session.problem.gap(np.array(session.lengths))
+            run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
+            run.time(tuner=thinking / len(some), planner=planning / len(some))
+
+
+def _act(controller: Controller, session: Session) -> NDArray[np.float64]:
+    assert session.opened is not None
+    return controller.act(observe_run(session.task, session.opened))
+
+
+def steerable(items: Iterable[SuiteItem]) -> list[SuiteItem]:
+    """Return the items, no run shorter than the regime allows."""
+    return [item._replace(iterations=max(item.iterations, LEAST_ITERATIONS)) for item in items]
+
+
+def controllers(
+    constants: Iterable[contest.Entrant], policies: Sequence[str], against: str, schedule: Schedule | None
+) -> list[Entrant]:
+    """Return who steers a run: agents whose recommendation stays, a schedule, and policies.
+
+    Args:
+        constants: never told of the run.
+        policies: their files, of Control or OneShot.
+        against: the one of the constants whose setting a schedule changes.
+        schedule: None for no such entrant.
+
+    Raises:
+        ParameterError: where two have the same name, or a policy cannot be read.
+    """
+    found = []
+    for name, kind, summary, agent, training in constants:
+        found.append(Entrant(name, ConstantController(agent), training, kind, summary))
+        if schedule and name == against:
+            changed = f"{against}, changed once within the run as the card of the world says"
+            found.append(Entrant(SCHEDULE, ScheduleController(agent, schedule), None, "agent", changed))
+    found += [_policy(path) for path in policies]
+    names = [entrant.name for entrant in found]
+    if len(set(names)) < len(names):
+        raise ParameterError(
+            f"controllers need names of their own, got {', '.join(names)}; rename a policy's files"
+        )
+    return found
+
+
+def _policy(path: str) -> Entrant:
+    """Return a policy of Control as it steers, one of OneShot as a constant."""
+    card = read_card(path)
+    controller = PolicyController(path) if card.regime == "Control" else ConstantController(PolicyAgent(path))
+    training = card.evaluations + card.start_evaluations
+    return Entrant(stem_of(path).name, controller, training, "agent", f"published policy of {card.regime}")
+
+
+def card_schedule(suite: str) -> Schedule:
+    """Return the schedule that the card of a suite's world found best on train maps."""
+    found = find_schedule(suite)
+    if found is None:
+        raise ParameterError(f"no card tells of schedules on {suite}; leave {SCHEDULE!r} out")
+    return found
+
+
+def find_schedule(suite: str) -> Schedule | None:
+    """Return the schedule that the card of a suite's world found best on train maps, None where no card tells."""
+    worlds = [world for world, its in WORLDS.items() if its == suite]
+    card = load_card(worlds[0]) if worlds else None
+    if not card or not card["dynamic"]:
+        return None
+    names = parameter_names(load_suite(suite, "train").rules[0])
+    return next(one for one in family() if one.label(names) == card["dynamic"]["schedule"])
+
+
+def policy_hashes(policies: Sequence[str]) -> dict[str, str]:
+    """Return the hashes of policies' files, by names that no other file of a ledger has."""
+    files = [beside(stem_of(path), suffix) for path in policies for suffix in (".json", ".safetensors")]
+    return {f"policy {file.name}": provenance.file_hash(file) for file in files}
