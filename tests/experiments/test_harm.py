@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -44,9 +45,8 @@ def test_killed_at_twenty_moments_a_board_loses_no_line_and_repeats_none(harm):
 def test_a_torn_line_is_dropped_and_said(harm):
     said = harm["kills"]["said"]
     assert said
-    assert all(
-        "trials.jsonl: a last line of 35 bytes was cut short by a crash; it is dropped" in s for s in said
-    )
+    dropped = r"trials\.jsonl: a last line of \d+ bytes was cut short by a crash; it is dropped"
+    assert all(re.search(dropped, text) for text in said)
 
 
 def test_a_full_disk_is_one_line_and_takes_back_what_does_not_fit(harm):
