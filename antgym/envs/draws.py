@@ -53,6 +53,11 @@ class Problems:
         return are_bees(self._items.rules)
 
     @property
+    def fleets(self) -> bool:
+        """Whether fleets are planned; else, single robots."""
+        return self._items.fleets
+
+    @property
     def names(self) -> tuple[str, ...]:
         """What is chosen: the parameters of every problem, in order."""
         return parameter_names(self._items.rules[0])

@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antgym.maps.fleet import ROUNDING
 from antgym.planners.timed import TimedPath, within
-
-ROUNDING = 1e-9  # world units that robots may be nearer, so that those that touch do not meet by rounding
 
 Floats = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -50,7 +49,7 @@ def schedule(points: Floats, speed: float, others: Sequence[TimedPath], apart: f
     """
     durations = np.linalg.norm(np.diff(points, axis=0), axis=1) / speed
     segments = _segments(others, points.shape[1])
-    safe = [_gaps(_near(point, segments, apart - ROUNDING)) for point in points]
+    safe = [_gaps(near) for near in _near(points, segments, apart - ROUNDING)]
     crossed = _crossings(points, durations, segments, apart - ROUNDING)
     stays = [_Stay(0.0, last, i, None, 0.0) for i, (first, last) in enumerate(safe[0]) if first <= 0 <= last]
     for i, duration in enumerate(durations.tolist()):
@@ -99,44 +98,40 @@ def _segments(others: Sequence[TimedPath], dimensions: int) -> _Segments:
     return _Segments(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def _near(point: Floats, segments: _Segments, apart: float) -> list[Interval]:
-    """Return when others are near a point."""
-    begin, end = within(segments.velocities, segments.places - point, apart)
-    begin, end = np.maximum(begin, 0), np.minimum(end, segments.lasts)
-    met = begin < end
-    return _merged(segments.begins[met] + begin[met], segments.begins[met] + end[met])
+def _near(points: Floats, segments: _Segments, apart: float) -> list[list[Interval]]:
+    """Return when others are near each of n points."""
+    offset = segments.places - points[:, None]
+    begin, end = within(np.broadcast_to(segments.velocities, offset.shape), offset, apart)
+    return _intervals(np.maximum(begin, 0), np.minimum(end, segments.lasts), segments)
 
 
 def _crossings(points: Floats, durations: Floats, segments: _Segments, apart: float) -> list[list[Interval]]:
-    """Return for every move when it must not begin.
+    """Return for each of n moves when it must not begin.
 
     A move of s ∈ [0, τ] and a motion of u ∈ [0, U] meet where |D + V s - W u| < apart, a convex part of a rectangle;
     t = u - s must not be what it is there. The ends of t lie on the rectangle's sides, or where the relative velocity
     is at right angles to the offset: there the two just touch.
     """
-    found = []
-    for point, target, tau in zip(points[:-1], points[1:], durations, strict=True):
-        velocity, offset = (target - point) / tau, point - segments.places
-        low = np.full(len(offset), np.inf)
-        high = np.full(len(offset), -np.inf)
-        for begin, end in (
-            *_along_motion(velocity, offset, tau, segments, apart),
-            *_along_move(velocity, offset, tau, segments, apart),
-            _touching(velocity, offset, tau, segments, apart),
-        ):
-            low, high = np.fmin(low, begin), np.fmax(high, end)
-        met = low < high
-        found.append(_merged(segments.begins[met] + low[met], segments.begins[met] + high[met]))
-    return found
+    taus = durations[:, None]
+    velocity, offset = (np.diff(points, axis=0) / taus)[:, None], points[:-1, None] - segments.places
+    low, high = np.full(offset.shape[:2], np.inf), np.full(offset.shape[:2], -np.inf)
+    for begin, end in (
+        *_along_motion(velocity, offset, taus, segments, apart),
+        *_along_move(velocity, offset, taus, segments, apart),
+        _touching(velocity, offset, taus, segments, apart),
+    ):
+        low, high = np.fmin(low, begin), np.fmax(high, end)
+    return _intervals(low, high, segments)
 
 
 def _along_motion(
-    velocity: Floats, offset: Floats, tau: float, segments: _Segments, apart: float
+    velocity: Floats, offset: Floats, taus: Floats, segments: _Segments, apart: float
 ) -> list[tuple[Floats, Floats]]:
-    """Return the ends of t where s is 0 or τ and u varies; NaN where they do not meet."""
+    """Return the (n, m) ends of t where s is 0 or τ and u varies; NaN where they do not meet."""
     ends = []
-    for s in (0.0, tau):
-        begin, end = within(-segments.velocities, offset + s * velocity, apart)
+    for s in (np.zeros_like(taus), taus):
+        moved = offset + s[..., None] * velocity
+        begin, end = within(np.broadcast_to(-segments.velocities, moved.shape), moved, apart)
         begin, end = np.maximum(begin, 0), np.minimum(end, segments.lasts)
         met = begin < end
         ends.append((np.where(met, begin - s, np.nan), np.where(met, end - s, np.nan)))
@@ -144,16 +139,16 @@ def _along_motion(
 
 
 def _along_move(
-    velocity: Floats, offset: Floats, tau: float, segments: _Segments, apart: float
+    velocity: Floats, offset: Floats, taus: Floats, segments: _Segments, apart: float
 ) -> list[tuple[Floats, Floats]]:
-    """Return the ends of t where u is 0 or U and s varies; NaN where they do not meet."""
+    """Return the (n, m) ends of t where u is 0 or U and s varies; NaN where they do not meet."""
     ends = []
     lasting = np.isfinite(segments.lasts)
-    for u in (np.zeros(len(offset)), np.where(lasting, segments.lasts, 0.0)):
+    for u in (np.zeros(len(lasting)), np.where(lasting, segments.lasts, 0.0)):
         begin, end = within(
             np.broadcast_to(velocity, offset.shape), offset - u[:, None] * segments.velocities, apart
         )
-        begin, end = np.maximum(begin, 0), np.minimum(end, tau)
+        begin, end = np.maximum(begin, 0), np.minimum(end, taus)
         met = begin < end
         # what stands for good forbids all times from then on
         last = np.where(lasting, u - begin, np.inf)
@@ -162,26 +157,35 @@ def _along_move(
 
 
 def _touching(
-    velocity: Floats, offset: Floats, tau: float, segments: _Segments, apart: float
+    velocity: Floats, offset: Floats, taus: Floats, segments: _Segments, apart: float
 ) -> tuple[Floats, Floats]:
-    """Return the t at which the two just touch somewhere inside the rectangle; NaN where they do not.
+    """Return the (n, m) t at which the two just touch somewhere inside the rectangle; NaN where they do not.
 
     At a given t the offset is D - W t + (V - W) s; its part across V - W is smallest of all s, and grows with t.
     """
     relative = velocity - segments.velocities
-    square = np.maximum((relative**2).sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    square = np.maximum((relative**2).sum(axis=-1, keepdims=True), np.finfo(float).tiny)
 
     def across(vectors: Floats) -> Floats:
-        return vectors - (vectors * relative).sum(axis=1, keepdims=True) / square * relative
+        return vectors - (vectors * relative).sum(axis=-1, keepdims=True) / square * relative
 
     ends = []
     for end in within(across(-segments.velocities), across(offset), apart):
         finite = np.isfinite(end)
         t = np.where(finite, end, 0.0)
-        s = -((offset - segments.velocities * t[:, None]) * relative).sum(axis=1) / square[:, 0]
-        inside = finite & (s >= 0) & (s <= tau) & (s + t >= 0) & (s + t <= segments.lasts)
+        s = -((offset - segments.velocities * t[..., None]) * relative).sum(axis=-1) / square[..., 0]
+        inside = finite & (s >= 0) & (s <= taus) & (s + t >= 0) & (s + t <= segments.lasts)
         ends.append(np.where(inside, t, np.nan))
     return ends[0], ends[1]
+
+
+def _intervals(begins: Floats, ends: Floats, segments: _Segments) -> list[list[Interval]]:
+    """Return for each of n rows the intervals, counted from when each of m segments begins, that are not empty."""
+    met = begins < ends
+    return [
+        _merged(segments.begins[row] + begin[row], segments.begins[row] + end[row])
+        for row, begin, end in zip(met, begins, ends, strict=True)
+    ]
 
 
 def _merged(begins: Floats, ends: Floats) -> list[Interval]:
