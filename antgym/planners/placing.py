@@ -121,10 +121,10 @@ def _place(fleet: Fleet, robot: int, own: Way, others: list[TimedPath]) -> Dialo
         if way is None:
             break
         even = TimedPath.even(way.points, speed)
-        timed = schedule(way.points, speed, others, fleet.apart)
+        met = [time for other in others if (time := meeting(even, other, fleet.apart - ROUNDING)) is not None]
+        timed = schedule(way.points, speed, others, fleet.apart) if met else even
         if timed is not None and (best is None or timed.arrival < best.path.arrival):
             best = Placed(timed, way.length)
-        met = [time for other in others if (time := meeting(even, other, fleet.apart - ROUNDING)) is not None]
         if detours == DETOURS or not met:
             break
         heading_for = way.points[np.searchsorted(even.times, min(met)).clip(max=len(way.points) - 1)]
