@@ -22,7 +22,7 @@ from antgym.cli import MapFile, PlanFile
 from antgym.console import main, parse, progress
 from antgym.errors import BudgetError, ParameterError
 from antgym.kernels import sources_hash
-from antgym.planners.swarms import plan_together
+from antgym.planners.colony import plan_many
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.ledger import Ledger
 from antgym.tuning.problem import FRESH, TuningProblem
@@ -134,8 +134,9 @@ def judge(problem: TuningProblem, unit: Floats, arguments: Arguments) -> tuple[P
         for first in range(0, len(seeds), PART):
             part = [int(seed) for seed in seeds[first : first + PART]]
             effort = {"ants": problem.ants, "iterations": problem.iterations}
-            scenarios, settings = [problem.scenario] * len(part), [values] * len(part)
-            runs = plan_together(scenarios, settings, rules=problem.rules, **effort, seeds=part)
+            scenarios: list[Any] = [problem.scenario] * len(part)  # of one robot
+            settings = [values] * len(part)
+            runs = plan_many(scenarios, settings, rules=problem.rules, **effort, seeds=part)
             lengths += runs.lengths.tolist()
             advance(len(part))
     best = int(seeds[int(np.argmin(lengths))])

@@ -1,6 +1,5 @@
 """Swarms: what a problem's rules say of its ants or bees, and runs of either, or of a fleet, behind one face."""
 
-from collections.abc import Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -11,12 +10,11 @@ from antgym.maps.fleet import Fleet, robots_of
 from antgym.maps.world import Scenario
 from antgym.planners.bee_rules import BeeRules, find_bee_rules
 from antgym.planners.colony import Colony
-from antgym.planners.fleet import FleetPlans, FleetRun, plan_fleets
+from antgym.planners.fleet import FleetRun
 from antgym.planners.flights import FEWEST_BEES
 from antgym.planners.hive import Hive
 from antgym.planners.parameters import BeeParameters, ColonyParameters
-from antgym.planners.planning import AnyRules, are_bees, plan_many
-from antgym.planners.plans import Plans
+from antgym.planners.planning import AnyRules, are_bees
 from antgym.planners.rules import Rules, find_rules
 from antgym.planners.space import ParameterSpace
 
@@ -107,24 +105,3 @@ def walked(
     swarm = start(scenario, rules=rules, ants=ants, iterations=iterations, seed=seed)
     swarm.advance(parameters, iterations)
     return swarm
-
-
-def plan_together(
-    scenarios: Sequence[Scenario[Any, Any] | Fleet], parameters: ArrayLike, **others: Any
-) -> Plans | FleetPlans:
-    """Plan runs of scenarios, or of fleets, in as few calls as can be.
-
-    Args:
-        scenarios: all of one kind.
-        parameters: as for :func:`~antgym.planners.planning.plan_many`.
-        others: likewise.
-
-    Raises:
-        ParameterError: where there are fleets among single robots.
-    """
-    fleets = [scenario for scenario in scenarios if isinstance(scenario, Fleet)]
-    if not fleets:
-        return plan_many([s for s in scenarios if isinstance(s, Scenario)], parameters, **others)
-    if len(fleets) < len(scenarios):
-        raise ParameterError("fleets and single robots in one call; plan them apart")
-    return plan_fleets(fleets, parameters, **others)

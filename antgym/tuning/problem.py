@@ -13,11 +13,12 @@ from antgym.errors import BudgetError, ParameterError, is_count
 from antgym.maps.fleet import Fleet
 from antgym.maps.world import Scenario
 from antgym.planners.batch import MOST_EFFORT
-from antgym.planners.fleet import FleetPlans
+from antgym.planners.fleet import FleetPlans, plan_fleets
+from antgym.planners.planning import plan_many
 from antgym.planners.plans import Plans
 from antgym.planners.rules import Rules
 from antgym.planners.space import ParameterSpace, decode_together
-from antgym.planners.swarms import find_swarm_rules, plan_together, require_fit, space_of
+from antgym.planners.swarms import find_swarm_rules, require_fit, space_of
 from antgym.tuning.features import task_features
 from antgym.tuning.seeding import SEED_LIMIT, child_states
 
@@ -186,16 +187,27 @@ class Runs:
         return decode_together([problem.space for problem in self.problems], self.units)
 
     def plan(self) -> Plans | FleetPlans:
-        """Run them in one planner call, fleets in a few; the only caller of the planner above it."""
-        problems = self.problems
-        return plan_together(
-            [p.scenario for p in problems],
-            self.naturals,
-            rules=[p.rules for p in problems],
-            ants=[p.ants for p in problems],
-            iterations=[p.iterations for p in problems],
-            seeds=child_states(self.seeds, self.keys)[:, 0],
-        )
+        """Run them in one planner call, fleets in a few; the only caller of the planner above it.
+
+        Raises:
+            ParameterError: where some problems are of fleets and some of single robots.
+        """
+        problems, planned = self.problems, self._scenarios()
+        others: Any = {
+            "rules": [p.rules for p in problems],
+            "ants": [p.ants for p in problems],
+            "iterations": [p.iterations for p in problems],
+            "seeds": child_states(self.seeds, self.keys)[:, 0],
+        }
+        if isinstance(planned[0], Fleet):
+            return plan_fleets(planned, self.naturals, **others)
+        return plan_many(planned, self.naturals, **others)
+
+    def _scenarios(self) -> list[Any]:
+        planned = [problem.scenario for problem in self.problems]
+        if len({isinstance(scenario, Fleet) for scenario in planned}) > 1:
+            raise ParameterError("fleets and single robots in one batch; run them apart")
+        return planned
 
 
 def run_together(requests: Sequence[Request]) -> list[Plans | FleetPlans]:
