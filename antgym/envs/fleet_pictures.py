@@ -1,5 +1,7 @@
 """Pictures of fleets: a strip of frames from above, robots as discs of their size on their way; numpy only."""
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +16,6 @@ MARGIN = 4  # pixels between two frames
 COLOURS = np.array(
     [(0.85, 0.15, 0.10), (0.10, 0.40, 0.75), (0.45, 0.20, 0.60), (0.10, 0.55, 0.45), (0.75, 0.45, 0.05)]
 )
-_TRAIL = 0.12  # cells: radius of the line behind a robot
 
 
 def canvas(fleet: Fleet, run: FleetRun | None) -> NDArray[np.str_]:
@@ -54,18 +55,25 @@ def frame(fleet: Fleet, plan: FleetPlan | None, time: float) -> NDArray[np.float
         for cell, mark in ((robot.start, START), (robot.goal, GOAL)):
             _disc(image, np.array(cell[:2]) + 0.5, np.full(2, 0.3), scale, mark)
         if paths:
-            for point in _trail(paths[i], time, float(edges.min()) / 4):
-                _disc(image, point[:2] / edges, np.full(2, _TRAIL), scale, colour)
+            _line(image, _trail(paths[i], time, float(edges.min()) / scale) / edges, scale, colour)
         here = paths[i].at(time) if paths else fleet.world.centre(robot.start)
         _disc(image, here[:2] / edges, fleet.apart / 2 / edges, scale, colour)
     return image
 
 
 def _trail(path: TimedPath, time: float, spacing: float) -> NDArray[np.float64]:
-    """Return points of a path so far, about as far apart as ``spacing``, world units."""
-    times = np.append(path.times[path.times < time], time)
+    """Return (n, 2) points of a path so far, about as far apart as ``spacing``, world units, where it moves evenly."""
     count = max(2, int(np.ceil(path.length / spacing)))
-    return path.at(np.linspace(times[0], time, count))
+    return path.at(np.linspace(0.0, time, count))[:, :2]
+
+
+def _line(
+    image: NDArray[np.float64], points: NDArray[np.float64], scale: int, colour: NDArray[np.float64]
+) -> None:
+    """Draw (n, 2) points, in cells, two pixels wide."""
+    x, y = np.floor(points * scale).astype(int).T
+    for dx, dy in product((0, 1), repeat=2):
+        image[np.minimum(x + dx, image.shape[0] - 1), np.minimum(y + dy, image.shape[1] - 1)] = colour
 
 
 def _disc(

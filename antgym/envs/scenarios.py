@@ -29,11 +29,6 @@ class OwnSuite(tuple[SuiteItem, ...]):
         return all(isinstance(world, DiscWorld) or world.shape[2] == 1 for world in worlds)
 
     @property
-    def fleets(self) -> bool:
-        """Whether fleets are planned; else, single robots."""
-        return any(isinstance(item.scenario, Fleet) for item in self)
-
-    @property
     def rules(self) -> tuple[str, ...]:
         """The rules that plan them; all of ants, or all of bees."""
         return tuple(dict.fromkeys(item.rules for item in self))

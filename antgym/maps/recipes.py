@@ -84,11 +84,6 @@ class Recipe(NamedTuple):
         return set(self.families) <= set(DISC_FAMILIES)
 
     @property
-    def fleets(self) -> bool:
-        """Whether every scenario is a fleet; else, there is one robot in each."""
-        return all(strand.robots > 1 for strand in (*self.strands, *self.ood))
-
-    @property
     def families(self) -> tuple[str, ...]:
         """The families of train, validation and test."""
         return tuple(dict.fromkeys(chain(*(strand.families for strand in self.strands))))

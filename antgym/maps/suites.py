@@ -80,11 +80,6 @@ class Suite(Sequence[SuiteItem]):
         return self._recipe.flat
 
     @property
-    def fleets(self) -> bool:
-        """Whether its scenarios are fleets, in every split; else, there is one robot in each."""
-        return self._recipe.fleets
-
-    @property
     def rules(self) -> tuple[str, ...]:
         """The rules that plan its scenarios, in every split; all of ants, or all of bees."""
         return self._recipe.rules
