@@ -187,6 +187,7 @@ def _centres(picture: Picture, path: NDArray[np.int64]) -> dict[str, list[float]
 
 def _numbers(array: NDArray[np.floating[Any]]) -> list[Any]:
     """Return numbers as JSON has them: none where there is a gap."""
-    rounded = array.round(DECIMALS)
-    numbers: list[Any] = np.where(np.isnan(rounded), None, rounded).tolist()
+    rounded = array.round(DECIMALS).astype(object)
+    rounded[np.isnan(array)] = None
+    numbers: list[Any] = rounded.tolist()
     return numbers
