@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from antgym.envs.vector import env_seeds
     from antgym.exports import write_map, write_scenarios
     from antgym.maps.discs import DiscWorld
+    from antgym.maps.fleet import Fleet
     from antgym.maps.formats.elevation import jacksboro, read_heights
     from antgym.maps.map import Map
     from antgym.maps.motion import Motion
@@ -40,6 +41,7 @@ _HOMES = {
     "Colony": "antgym.planners.colony",
     "ColonyParameters": "antgym.planners.parameters",
     "DiscWorld": "antgym.maps.discs",
+    "Fleet": "antgym.maps.fleet",
     "GridWorld": "antgym.maps.world",
     "Hive": "antgym.planners.hive",
     "Map": "antgym.maps.map",
@@ -75,6 +77,7 @@ __all__ = [
     "Colony",
     "ColonyParameters",
     "DiscWorld",
+    "Fleet",
     "GridWorld",
     "Hive",
     "Map",

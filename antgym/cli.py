@@ -1,4 +1,4 @@
-"""The command ``antgym``: plan or show a map of one's own, let an arm follow, list environments, measure the planner.
+"""The command ``antgym``: plan or show a map of one's own, for one robot or several, let an arm follow, list, measure.
 
 Exit codes: 0 done, 1 no ant or bee arrived, 2 unusable input (one line says what and what to do), 130 Ctrl-C.
 Everything heavy is imported by the subcommand that needs it, so that ``antgym --help`` is quick.
@@ -30,6 +30,17 @@ Place = Annotated[
     ),
 ]
 """Numbers with spaces or commas between them."""
+Places = Annotated[
+    tuple[tuple[float, ...], ...],
+    tyro.constructors.PrimitiveConstructorSpec(
+        nargs="*",
+        metavar="X,Y[,Z]",
+        instance_from_str=lambda words: tuple(_numbers([word]) for word in words),
+        is_instance=lambda places: isinstance(places, tuple),
+        str_from_instance=lambda places: [",".join(f"{number:g}" for number in place) for place in places],
+    ),
+]
+"""Places with spaces between them, their numbers with commas."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,16 +94,9 @@ class MapFile(Reading):
     """The swarm's rules; an unknown name lists them all. By default liu2020, or ant_colony_system on grids."""
 
 
-@dataclass(frozen=True)
-class PlanFile(MapFile):
-    """Plan a path on a map of your own.
-
-    MovingAI .map and .3dmap, ROS .yaml, OctoMap .bt, pictures, scenes of shapes (.json), elevations (.asc, .txt, .npy,
-    .npz). Cells of elevations are as wide as the file's spacing, and as high; the path advances one cell along x per
-    move. Parameters left out take the published default of the rules.
-    Rules of bees (--rules wu2018) plan a scene of discs, a .json that holds its own start and goal; they fly well as
-    40 bees for 1,000 cycles.
-    """
+@dataclass(frozen=True, kw_only=True)
+class ColonySetting:
+    """The parameters of a colony, its effort and its seed."""
 
     alpha: float | None = None
     """Weight of the pheromone."""
@@ -102,6 +106,25 @@ class PlanFile(MapFile):
     """Persistence of the pheromone per iteration."""
     Q: float | None = None
     """Deposit constant."""
+    ants: int = 20
+    """Ants per iteration, or bees."""
+    iterations: int = 100
+    """Iterations, or cycles."""
+    seed: int = 0
+    """The same seed gives the same path on every machine."""
+
+
+@dataclass(frozen=True)
+class PlanFile(MapFile, ColonySetting):
+    """Plan a path on a map of your own.
+
+    MovingAI .map and .3dmap, ROS .yaml, OctoMap .bt, pictures, scenes of shapes (.json), elevations (.asc, .txt, .npy,
+    .npz). Cells of elevations are as wide as the file's spacing, and as high; the path advances one cell along x per
+    move. Parameters left out take the published default of the rules.
+    Rules of bees (--rules wu2018) plan a scene of discs, a .json that holds its own start and goal; they fly well as
+    40 bees for 1,000 cycles.
+    """
+
     limit: float | None = None
     """Bees: tries in vain after which a source is abandoned."""
     xi_max: float | None = None
@@ -110,17 +133,42 @@ class PlanFile(MapFile):
     """Bees: the same in the last cycle."""
     tabu_radius: float | None = None
     """Bees of rules with a tabu list: how far from abandoned sources a new one must lie."""
-    ants: int = 20
-    """Ants per iteration, or bees."""
-    iterations: int = 100
-    """Iterations, or cycles."""
-    seed: int = 0
-    """The same seed gives the same path on every machine."""
     smooth: Literal["shortcut", "spline"] | None = None
     """Smooth the path: shortcut, straight lines between some of its cells, or spline, these with their corners rounded;
     written as OUT.smooth.csv. It enters no blocked cell."""
     out: Path | None = None
     """Write OUT.csv, OUT.json, OUT.poses.json (frame and poses, as ROS has paths) and OUT.png."""
+    picture: bool = True
+    """Whether OUT.png is among them; it needs matplotlib."""
+
+
+@dataclass(frozen=True)
+class FleetFile(Reading, ColonySetting):
+    """Plan several robots on a map of your own, so that no two ever come too near to each other.
+
+    Maps as for antgym plan. Each robot is planned by a colony, and waits or goes round where it would meet another.
+    """
+
+    file: tyro.conf.Positional[Path]
+    """Map, picture or elevation file."""
+    starts: Places = ()
+    """Of every robot: x,y or x,y,z, with spaces between robots."""
+    goals: Places = ()
+    """Likewise, in the same order."""
+    unit: Literal["cells", "map"] = "cells"
+    """What starts and goals count: cells, from 0, or the map's own unit, as metres."""
+    apart: float | None = None
+    """Smallest distance of two robots' centres, in the map's unit; by default twice the radius."""
+    speeds: tuple[float, ...] = ()
+    """In the map's unit per second, of all robots or of each; 1 by default."""
+    motion: str | None = None
+    """As for antgym plan."""
+    rules: str | None = None
+    """The colony's rules; an unknown name lists them all. By default as for antgym plan."""
+    frames: int = 5
+    """Of the strip."""
+    out: Path | None = None
+    """Write OUT.csv, timed way-points, OUT.json, OUT.html, in which the robots move, and OUT.png, a strip of frames."""
     picture: bool = True
     """Whether OUT.png is among them; it needs matplotlib."""
 
@@ -200,6 +248,7 @@ class Bench:
 
 Command = (
     Annotated[PlanFile, tyro.conf.subcommand("plan")]
+    | Annotated[FleetFile, tyro.conf.subcommand("fleet")]
     | Annotated[ArmFile, tyro.conf.subcommand("arm")]
     | Annotated[ShowFile, tyro.conf.subcommand("map")]
     | Annotated[Envs, tyro.conf.subcommand("envs")]
@@ -257,6 +306,13 @@ def plan(arguments: PlanFile) -> int:
     return plan_file(arguments)
 
 
+def fleet(arguments: FleetFile) -> int:
+    """Plan the robots on the file, print what was found, write the files."""
+    from antgym.fleet_file import fleet_file
+
+    return fleet_file(arguments)
+
+
 def arm(arguments: ArmFile) -> int:
     """Let the arm follow the file, print what it takes, write the files."""
     from antgym.arm_file import arm_file
@@ -276,6 +332,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     command = console.parse(Command, arguments, "antgym")
     if isinstance(command, PlanFile):
         return plan(command)
+    if isinstance(command, FleetFile):
+        return fleet(command)
     if isinstance(command, ArmFile):
         return arm(command)
     if isinstance(command, ShowFile):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from antgym.console import write_whole
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.exports import path_csv, poses_json
+from antgym.maps.fleet import Fleet
 from antgym.maps.folders import rules_for
 from antgym.maps.map import Map
 from antgym.maps.motion import Motion
@@ -25,9 +26,10 @@ from antgym.planners.colony import Plan, plan
 from antgym.planners.parameters import BEE_LIMITS, LIMITS, ColonyParameters
 from antgym.planners.rules import find_rules
 from antgym.planners.smoothing import SmoothPath, smooth
+from antgym.planners.swarms import space_of
 
 if TYPE_CHECKING:
-    from antgym.cli import MapFile, PlanFile, Reading
+    from antgym.cli import ColonySetting, MapFile, PlanFile, Reading
 
 
 OPTIONS = (
@@ -168,9 +170,7 @@ def find(command: "PlanFile") -> Found:
     question = read(command)
     require_left_out(command, BEE_LIMITS, f"rules {question.rules!r} are of ants")
     scenario, rules = question.scenario, find_rules(question.rules)
-    default = rules.ranges.space(scenario.straight_line, rules.initial_pheromone).default.tolist()
-    given = [getattr(command, name) for name in LIMITS]
-    setting = ColonyParameters(*(d if g is None else g for g, d in zip(given, default, strict=True)))
+    setting = setting_of(command, question.rules, scenario)
     effort = {"ants": command.ants, "iterations": command.iterations, "seed": command.seed}
     plan(
         scenario, setting, rules=rules, ants=1, iterations=1
@@ -178,6 +178,13 @@ def find(command: "PlanFile") -> Found:
     begun = time.perf_counter()
     done = plan(scenario, setting, rules=rules, **effort)
     return Found(command, question, setting, done, time.perf_counter() - begun)
+
+
+def setting_of(command: "ColonySetting", rules: str, scenario: Scenario | Fleet) -> ColonyParameters:
+    """Return the parameters that a command gives, those left out as the rules' published defaults."""
+    default = space_of(rules, scenario, command.ants).default.tolist()
+    given = [getattr(command, name) for name in LIMITS]
+    return ColonyParameters(*(d if g is None else g for g, d in zip(given, default, strict=True)))
 
 
 def report(found: Found) -> str:

@@ -21,7 +21,9 @@ from PIL import Image
 from antgym import Scenario, SuiteItem, TuningProblem, load_suite, plan_scene
 from antgym.envs.catalogue import WORLDS
 from antgym.maps.discs import DiscScenario, DiscWorld
+from antgym.maps.fleet import Fleet, robots_of
 from antgym.maps.optimum import shortest_path
+from antgym.planners.fleet import FleetPlan
 from antgym.planners.plans import Plan
 from antgym.tuning.problem import FRESH
 
@@ -58,10 +60,11 @@ PANELS = (
     Panel("PotentialField", "caves", 28),
     Panel("PotentialField", "pockets", 2),
     Panel("Room", "rooms", 0),
+    Panel("Fleet", "rooms", 2),
     Panel("Pallet", "clutter", 2),
     Panel("Open", "mazes", 25),
     Panel("Open", "warehouse", 59),
-    Panel("Bee", "corridors", 3),
+    Panel("Bee", "corridors", 9),
     Panel("Bee", "scatter", 5),
     Panel("TabuBee", "wu2018", 3),
 )
@@ -90,7 +93,7 @@ FACES = (
 )
 
 
-def tuned(item: SuiteItem) -> Plan:
+def tuned(item: SuiteItem) -> Plan | FleetPlan:
     """Return a plan by the best of some random settings."""
     problem = TuningProblem(item.scenario, item.rules, item.ants, item.iterations)
     units = np.random.default_rng(0).random((SETTINGS, len(problem.space)))
@@ -128,7 +131,7 @@ def tiles(cells: NDArray[np.int64], view: View, colour: str) -> PolyCollection:
     )
 
 
-def draw_world(axes: Any, scenario: Scenario, paths: list[NDArray[np.int64]]) -> None:
+def draw_world(axes: Any, scenario: Scenario | Fleet, paths: list[NDArray[np.int64]]) -> None:
     """Draw a flat world as low walls, any other as blocks that are cut open along the paths, on a plate."""
     blocked, flat = scenario.world.free == 0, scenario.world.shape[2] == 1
     view, kept = (FLAT, blocked) if flat else (SOLID, cut_open(blocked, paths))
@@ -160,16 +163,17 @@ def draw_scene(axes: Any, scenario: DiscScenario, path: NDArray[np.float64]) -> 
     return f"{len(scenario.world.discs)} discs"
 
 
-def draw_grid(axes: Any, scenario: Scenario, path: NDArray[np.int64]) -> str:
-    """Draw a grid, a path and the optimum; return how many cells there are."""
+def draw_grid(axes: Any, scenario: Scenario | Fleet, path: NDArray[Any]) -> str:
+    """Draw a grid, a path and the optimum, or those of a fleet; return how many cells there are."""
     best = shortest_path(scenario)
     flat = scenario.world.shape[2] == 1
     draw_world(axes, scenario, [path, best])
     view, centre = (FLAT, np.array([0.5, 0.5, 0.0])) if flat else (SOLID, np.full(3, 0.5))
     for line, style in ((path, COLONY), (best, OPTIMUM)):
         axes.plot(*view.project(line + centre).T, **style)
-    for cell, style in ((scenario.start, START), (scenario.goal, GOAL)):
-        axes.plot(*view.project(np.array(cell) + centre), zorder=5, **style)
+    for robot in robots_of(scenario):
+        for cell, style in ((robot.start, START), (robot.goal, GOAL)):
+            axes.plot(*view.project(np.array(cell) + centre), zorder=5, **style)
     return " × ".join(str(n) for n in scenario.world.shape[: 2 if flat else 3])
 
 
@@ -189,9 +193,9 @@ def key(axes: Any) -> None:
 
 def main() -> None:
     """Write the picture."""
-    figure = Figure(figsize=(18.5, 12.4), facecolor=PAPER)
-    figure.subplots_adjust(0.015, 0.01, 0.985, 0.95, wspace=0.06, hspace=0.2)
-    grid = figure.subplots(3, 5).ravel()
+    figure = Figure(figsize=(14.8, 16.5), facecolor=PAPER)
+    figure.subplots_adjust(0.015, 0.01, 0.985, 0.96, wspace=0.06, hspace=0.2)
+    grid = figure.subplots(4, 4).ravel()
     for axes, panel in zip(grid, PANELS, strict=False):
         draw(axes, panel)
     key(grid[-1])

@@ -14,6 +14,7 @@ from agents.stranger import CALL_SECONDS
 from agents.submission import TableAgent
 from antgym.errors import LedgerError, ParameterError
 from antgym.maps.suites import SuiteItem
+from antgym.planners.fleet import FleetPlans
 from antgym.planners.plans import Plans
 from antgym.tuning.agent import Agent, Result, tune_together
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
@@ -205,7 +206,7 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -
     shares = work / max(1, work.sum())  # of the batches' wall time: single runs have none of their own
     with runs[0].hold():
         for i, (run, (outcome, plans)) in enumerate(zip(runs, judged, strict=True)):
-            if run.traced and plans is not None:
+            if run.traced and isinstance(plans, Plans):  # a fleet has no length on its way
                 run.trace([plans[k].best for k in range(fresh)])
             run.finish(outcome)
             run.time(tuner=watches[i].seconds, planner=float(tuning * shares[i]), judging=judging)
@@ -213,12 +214,12 @@ def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun], fresh: int) -
 
 def _judge(
     problems: Sequence[TuningProblem], units: Sequence[Floats], watches: Sequence[Stopwatch], fresh: int
-) -> list[tuple[Outcome, Plans | None]]:
+) -> list[tuple[Outcome, Plans | FleetPlans | None]]:
     """Run recommendations on fresh seeds; return outcomes, and the runs of those whose agents did not fail."""
     sound = [i for i, watch in enumerate(watches) if not watch.failure]
     requests = [(problems[i], np.repeat(units[i][None], fresh, axis=0), FRESH, 0) for i in sound]
     ran = dict(zip(sound, run_together(requests), strict=True))
-    judged: list[tuple[Outcome, Plans | None]] = []
+    judged: list[tuple[Outcome, Plans | FleetPlans | None]] = []
     for i, (unit, watch) in enumerate(zip(units, watches, strict=True)):
         plans = ran.get(i)
         if plans is None:

@@ -10,6 +10,7 @@ from antgym.maps.disc_features import raster
 from antgym.maps.discs import DiscWorld
 from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
+from antgym.planners.fleet import FleetPlan
 from antgym.planners.plans import Plan
 from antgym.tuning.ledger import Ledger, Outcome
 from antgym.tuning.problem import FRESH
@@ -58,7 +59,7 @@ def _picture(played: Round, names: set[str], item: SuiteItem, ledger: Ledger) ->
     )
 
 
-def _walk(job: Job, outcome: Outcome) -> Plan:
+def _walk(job: Job, outcome: Outcome) -> Plan | FleetPlan:
     """Walk the first fresh run of a recommendation again, or the run that was steered."""
     if isinstance(job, contest.Job):
         return job.problem.run(np.array([outcome.unit]), FRESH, 0).plan(0)

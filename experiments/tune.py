@@ -134,7 +134,8 @@ def judge(problem: TuningProblem, unit: Floats, arguments: Arguments) -> tuple[P
         for first in range(0, len(seeds), PART):
             part = [int(seed) for seed in seeds[first : first + PART]]
             effort = {"ants": problem.ants, "iterations": problem.iterations}
-            scenarios, settings = [problem.scenario] * len(part), [values] * len(part)
+            scenarios: list[Any] = [problem.scenario] * len(part)  # of one robot
+            settings = [values] * len(part)
             runs = plan_many(scenarios, settings, rules=problem.rules, **effort, seeds=part)
             lengths += runs.lengths.tolist()
             advance(len(part))

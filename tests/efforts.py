@@ -19,4 +19,17 @@ def small(entry, ants=3, iterations=5):
     return [ants, max(iterations, load_env_creator(entry.entry_point).least_iterations)]
 
 
+BUDGET = 3
+
+
+def quick(entry, **effort):
+    """Arguments of an environment whose episodes take little: a small effort, and few trials where they are paid."""
+    return {"effort": small(entry, **effort), **({"budget": BUDGET} if entry.regime == "Trials" else {})}
+
+
+def some_steps(entry):
+    """Steps that end an episode which was made quick, and go on."""
+    return {"OneShot": 1, "Trials": BUDGET, "Control": 10}[entry.regime] + 2
+
+
 ENTRIES = {entry.id: entry for entry in CATALOGUE}

@@ -24,6 +24,7 @@ WORLDS = {
     "Mountain": "mountain-v0",
     "PotentialField": "potential-field-v0",
     "Room": "room-v0",
+    "Fleet": "fleet-v0",
     "Pallet": "pallet-v0",
     "Open": "open-v0",
     "Bee": "bee-v0",
@@ -45,10 +46,14 @@ _SELF_SCALING = (
 FLAT = {"Bee": _SELF_SCALING, "TabuBee": _SELF_SCALING}
 """Worlds whose headroom stayed below the bar after they were widened twice, and why; their cards log what was tried."""
 
+AT_ONCE = ("Fleet",)
+"""Worlds that Control lacks: a fleet's robots are planned one after another, so that there is no one run to steer."""
+
 CATALOGUE = tuple(
     Entry(f"antgym/{world}{regime}-v0", *entry_points, {"suite": suite}, world, regime, FLAT.get(world, ""))
     for world, suite in WORLDS.items()
     for regime, entry_points in REGIMES.items()
+    if not (world in AT_ONCE and regime == "Control")
 )
 
 

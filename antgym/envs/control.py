@@ -1,5 +1,6 @@
 """Control: one planner run, its parameters set anew block by block."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ from antgym.envs.draws import Problems
 from antgym.envs.episodes import Episodes, Rows, Terms
 from antgym.envs.manual import documented
 from antgym.envs.verdicts import Verdicts
+from antgym.errors import ParameterError
+from antgym.maps.suites import SuiteItem
 from antgym.planners.swarms import Swarm
 from antgym.tuning.features import feature_bounds
 from antgym.tuning.open_trial import OpenTrial
@@ -176,6 +179,13 @@ class ControlEnv(TuningEnv):
     least_iterations = LEAST_ITERATIONS
     _kind = ControlEpisodes
     _episodes: ControlEpisodes
+
+    def __init__(self, suite: str | Sequence[SuiteItem], **others: Any) -> None:
+        super().__init__(suite, **others)
+        if self._terms.problems.fleets:
+            raise ParameterError(
+                "Control steers one run, and a fleet's robots are planned one after another; take OneShot or Trials"
+            )
 
     @property
     def trial(self) -> OpenTrial:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from antgym.envs.infos import Columns
 from antgym.envs.scenarios import Items
 from antgym.errors import ParameterError, is_count
+from antgym.maps.fleet import Fleet
 from antgym.planners.batch import MOST_EFFORT
 from antgym.planners.planning import are_bees
 from antgym.planners.swarms import fewest, parameter_names
@@ -51,6 +52,11 @@ class Problems:
     def discs(self) -> bool:
         """Whether bees fly among discs; else, ants walk grids."""
         return are_bees(self._items.rules)
+
+    @property
+    def fleets(self) -> bool:
+        """Whether fleets are planned; else, single robots."""
+        return isinstance(self._items[0].scenario, Fleet)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -12,7 +12,8 @@ from antgym.envs.draws import Problems
 from antgym.envs.infos import Columns
 from antgym.envs.verdicts import Verdicts, judged, worths
 from antgym.errors import ParameterError
-from antgym.planners.swarms import Swarm, start
+from antgym.planners.fleet import FleetRun
+from antgym.planners.swarms import Swarm, walked
 from antgym.tuning.observation import observe_together
 from antgym.tuning.problem import TRIAL, TuningProblem
 from antgym.tuning.session import Session
@@ -121,8 +122,8 @@ class Episodes(ABC):
         """Return the session of an episode, or how it stands."""
 
     @abstractmethod
-    def walked(self, row: int) -> Swarm | None:
-        """Return the colony or hive of the last run, None before any."""
+    def walked(self, row: int) -> Swarm | FleetRun | None:
+        """Return the colony or hive of the last run, or the fleet's; None before any."""
 
     def observed(self, rows: Rows) -> Observation:
         """Return the observations of some rows, one below the other, in arrays of their own."""
@@ -183,20 +184,22 @@ class PaidEpisodes(Episodes):
         """Return how the session of an episode stands."""
         return self._sessions.account(row)
 
-    def walked(self, row: int) -> Swarm | None:
-        """Return the colony or hive of the last run, None before any; it is walked again, same seed and same ants."""
+    def walked(self, row: int) -> Swarm | FleetRun | None:
+        """Return the colony or hive of the last run, or the fleet's; None before any.
+
+        It is walked again, same seed and same ants.
+        """
         problem, trials = self.problem(row), self.session(row).trials
         if not trials:
             return None
-        swarm = start(
+        return walked(
             problem.scenario,
+            problem.space.decode(trials[-1].unit)[0],
             rules=problem.rules,
             ants=problem.ants,
             iterations=problem.iterations,
             seed=int(problem.seeds(TRIAL, trials[-1].index, 1)[0]),
         )
-        swarm.advance(problem.space.decode(trials[-1].unit)[0], problem.iterations)
-        return swarm
 
     def _open(self, rows: Rows, problems: list[TuningProblem], seeds: NDArray[np.int64]) -> None:
         self._sessions.begin(rows, problems, seeds)

@@ -32,8 +32,10 @@ class OneShotEnv(TuningEnv):
     A scenario of the suite is drawn: a world, a start, a goal, the rules of a colony, and an effort (ants and
     iterations). The agent sees features of it and picks (α, β, ρ, Q); the colony runs once; the reward is how close
     its path comes to the exact optimum. In `Bee` and `TabuBee` a hive flies among discs, and the agent picks (limit,
-    ξ_max, ξ_min), and the tabu radius where there is a tabu list; ants are bees then, and iterations cycles. It is
-    hard because the best setting depends on the map, on the effort and on the rules, and because a run is noisy.
+    ξ_max, ξ_min), and the tabu radius where there is a tabu list; ants are bees then, and iterations cycles. In `Fleet`
+    a scenario is three robots that share a home: one setting plans all of them, again where they would meet, and they
+    keep apart by waits. It is hard because the best setting depends on the map, on the effort and on the rules, and
+    because a run is noisy.
 
     One world of the catalogue is one suite:
 
@@ -68,6 +70,8 @@ class OneShotEnv(TuningEnv):
 
     {disc_observations}
 
+    Of a fleet, the means over its robots; κ counts their mean straight line, and the map marks the ends of all.
+
     With `observation="map"` a `Dict`: `features` is this vector, `map` a `Box(0, 1, float32)` of the down-sampled
     world, stretched to (3, 16, 16, 16), in suites that are flat throughout to (3, 32, 32): the blocked share of every
     block, then marks of start and goal. `"map3d"` and `"map2d"` ask for one of these shapes; a flat world in 3D is
@@ -78,6 +82,10 @@ class OneShotEnv(TuningEnv):
     - `"gap"` (default): −min(gap, 1) in [−1, 0], gap = (L − L*) / L*; a run without a path pays −1.
     - `"length"`: −L in world units; a run without a path pays −10 times the straight line.
     - `"improvement"`: min(gap of the published default, 1) − min(gap, 1) in [−1, 1], the default on a fresh run.
+
+    Of a fleet, L is the sum of what robots travel, and could have travelled at their speeds while they wait; L* the sum
+    of their optima, each alone, a bound that not all can reach at once; the straight line the sum of theirs. It is
+    unsolved where one robot has no path, or finds no way past others.
 
     ## Starting State
     Scenario and planner seed are a pure function of (root seed, episode index). `reset(options={{"scenario": i}})`
@@ -90,7 +98,7 @@ class OneShotEnv(TuningEnv):
     ## Information
     `reset`: `scenario`, `seed`, `ants`, `iterations`, `rules`. `step` adds `length` (10 straight lines where
     unsolved), `optimum`, `gap` (1 where unsolved), `solved`, `parameters`. `env.unwrapped.planner_runs` counts
-    every planner run so far.
+    every planner run so far; that of a fleet is one.
 
     ## Arguments
     | name | default | meaning |

@@ -1,19 +1,24 @@
-"""Pictures of the last run: the world, and the path and what the swarm left over it; numpy only."""
+"""Pictures of the last run: the world, and the path and what the swarm left over it; numpy only.
+
+Of a fleet, robots on their way.
+"""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.envs import disc_pictures, grid_pictures
+from antgym.envs import disc_pictures, fleet_pictures, grid_pictures
 from antgym.maps.discs import DiscWorld
+from antgym.maps.fleet import Fleet
+from antgym.planners.fleet import FleetRun
 from antgym.planners.planning import are_bees
 from antgym.planners.swarms import Swarm
 from antgym.tuning.problem import TuningProblem
 
 
-def ansi(problem: TuningProblem, swarm: Swarm | None) -> str:
-    """Return the map from above, x to the right, y up, ``o`` the path, ``S`` and ``G`` its ends.
+def ansi(problem: TuningProblem, swarm: Swarm | FleetRun | None) -> str:
+    """Return the map from above, x to the right, y up, ``o`` the path, ``S`` and ``G`` its ends, or those of a fleet.
 
     Shades are heights; among discs ``#`` is one of these, and ``.`` a way-point of some source.
     """
@@ -32,11 +37,16 @@ def ansi(problem: TuningProblem, swarm: Swarm | None) -> str:
     return "\n".join(lines + ["".join(row) for row in canvas.T[::-1]])
 
 
-def rgb_array(problem: TuningProblem, swarm: Swarm | None) -> NDArray[np.uint8]:
-    """Return the picture, (h, w, 3) uint8: discs from above, grids also from the side where they are not flat."""
+def rgb_array(problem: TuningProblem, swarm: Swarm | FleetRun | None) -> NDArray[np.uint8]:
+    """Return the picture, (h, w, 3) uint8: discs from above, grids also from the side where they are not flat.
+
+    Of a fleet a strip of frames, from when all start to when all have arrived.
+    """
     picture = _pictures(problem).pixels(problem.scenario, swarm)
     return np.round(255 * np.clip(picture, 0, 1)).astype(np.uint8)
 
 
 def _pictures(problem: TuningProblem) -> Any:
+    if isinstance(problem.scenario, Fleet):
+        return fleet_pictures
     return disc_pictures if isinstance(problem.scenario.world, DiscWorld) else grid_pictures

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from antgym.errors import ParameterError
 from antgym.maps.discs import DiscWorld
+from antgym.maps.fleet import Fleet
 from antgym.maps.folders import load_folder
 from antgym.maps.recipes import SUITES
 from antgym.maps.suites import Suite, SuiteItem, load_suite
@@ -34,6 +35,7 @@ class OwnSuite(tuple[SuiteItem, ...]):
 
 
 Items = Suite | OwnSuite
+Question = TypeVar("Question", Scenario[Any, Any], Fleet)
 
 
 def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
@@ -77,6 +79,10 @@ def _checked(items: Sequence[SuiteItem]) -> OwnSuite:
                 f"suite[{i}] = {item!r}: needs a SuiteItem(name, scenario, ants, iterations, rules)"
             )
         _ = TuningProblem(item.scenario, item.rules, item.ants, item.iterations).scenario.optimum
+        if isinstance(item.scenario, Fleet) != isinstance(items[0].scenario, Fleet):
+            raise ParameterError(
+                f"suite[{i}]: fleets and single robots in one environment; make one of each kind"
+            )
         names = parameter_names(items[0].rules), parameter_names(item.rules)
         if names[0] != names[1]:
             raise ParameterError(
@@ -87,7 +93,7 @@ def _checked(items: Sequence[SuiteItem]) -> OwnSuite:
 
 
 @lru_cache(maxsize=4096)
-def _named(scenario: Scenario[Any, Any], name: str) -> Scenario[Any, Any]:
+def _named(scenario: Question, name: str) -> Question:
     """Return a scenario under an item's name: one object for every slot of a batch, with what is cached on it."""
     if scenario.name == name:
         return scenario

@@ -41,7 +41,7 @@ class TrialsEpisodes(PaidEpisodes):
 
 @documented
 class TrialsEnv(TuningEnv):
-    """Tune an ant colony, or a hive of bees, on one map, one planner run at a time.
+    """Tune an ant colony, a hive of bees, or the colony that plans a fleet, on one map, one planner run at a time.
 
     ## Description
     A scenario is drawn as in OneShot and stays for the whole episode. Every step pays for one run of a setting and

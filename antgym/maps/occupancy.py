@@ -4,6 +4,8 @@ Channels come first, as torch has it: ``(channels, x, y)`` for Conv2d, ``(channe
 is stretched to fill the picture along every axis; how many cells it has is among the features.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,15 +45,15 @@ class Chart:
 
     Args:
         world: the grid.
-        start: (x, y, z) cell indices.
-        goal: likewise.
+        starts: (x, y, z) cell indices each; several of a fleet.
+        goals: likewise.
     """
 
-    def __init__(self, world: GridWorld, start: Cell, goal: Cell) -> None:
-        self._world, self._ends = world, (start, goal)
+    def __init__(self, world: GridWorld, starts: Sequence[Cell], goals: Sequence[Cell]) -> None:
+        self._world, self._ends = world, (starts, goals)
         self._pictures: dict[bool, Picture] = {}
 
-    def __reduce__(self) -> tuple[type["Chart"], tuple[GridWorld, Cell, Cell]]:
+    def __reduce__(self) -> tuple[type["Chart"], tuple[GridWorld, Sequence[Cell], Sequence[Cell]]]:
         return Chart, (self._world, *self._ends)
 
     def __call__(self, flat: bool | None = None) -> Picture:
@@ -64,13 +66,14 @@ class Chart:
         return self._pictures[flat]
 
 
-def _drawn(world: GridWorld, ends: tuple[Cell, Cell], flat: bool) -> Picture:
+def _drawn(world: GridWorld, ends: tuple[Sequence[Cell], Sequence[Cell]], flat: bool) -> Picture:
     blocks = FLAT if flat else SOLID
     picture = np.zeros((len(CHANNELS), *blocks), dtype=np.float32)
     picture[0] = _blocked(world, blocks)
-    for channel, end in zip(picture[1:], ends, strict=True):
-        shown_in = [_shown_in(at, n, m) for at, n, m in zip(end, world.shape, blocks, strict=True)]
-        channel[np.ix_(*shown_in)] = (end[2] + 1) / world.shape[2] if flat else 1.0
+    for channel, cells in zip(picture[1:], ends, strict=True):
+        for cell in cells:
+            shown_in = [_shown_in(at, n, m) for at, n, m in zip(cell, world.shape, blocks, strict=True)]
+            channel[np.ix_(*shown_in)] = (cell[2] + 1) / world.shape[2] if flat else 1.0
     return picture.reshape(picture_shape(flat))
 
 

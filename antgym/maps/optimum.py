@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from antgym.errors import ScenarioError
 from antgym.maps import tangents
+from antgym.maps.fleet import Fleet, side_by_side
 from antgym.maps.motion import REACH, STRAIGHT, Motion, move_table, step_lengths
 from antgym.maps.world import PAD, Scenario
 
@@ -30,12 +31,15 @@ def shortest_length(scenario: Scenario[Any, Any]) -> float:
     return _search(scenario)[0]
 
 
-def shortest_path(scenario: Scenario[Any, Any]) -> NDArray[Any]:
+def shortest_path(scenario: Scenario[Any, Any] | Fleet) -> NDArray[Any]:
     """Return one shortest path from start to goal; ScenarioError where none exists.
 
     On a grid, (n, 3) int64 cell indices; among discs, (n, 2) float64 points with arcs as chords of at most a degree,
-    which cut into discs by that much.
+    which cut into discs by that much. Of a fleet, those of its robots, each alone, see
+    :func:`~antgym.maps.fleet.side_by_side`.
     """
+    if isinstance(scenario, Fleet):
+        return side_by_side([shortest_path(robot) for robot in scenario.robots])
     if scenario.motion == STRAIGHT:
         return tangents.shortest_path(scenario)
     return _layered_path(scenario) if scenario.motion.layered else _grid_path(scenario)

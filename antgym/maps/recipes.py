@@ -10,7 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from antgym.maps.discs import DiscScenario
+from antgym.maps.fleet import Fleet
 from antgym.maps.generators import FAMILIES
+from antgym.maps.generators.company import in_company
 from antgym.maps.generators.discs import DISC_FAMILIES
 from antgym.maps.world import Scenario
 
@@ -34,6 +36,7 @@ class Strand(NamedTuple):
         iterations: fewest and most.
         weight: how often it comes, relative to the suite's other strands.
         most: ants × iterations × size² at most; an effort above is drawn again.
+        robots: that share a world; more than one are a fleet.
     """
 
     families: tuple[str, ...]
@@ -43,6 +46,7 @@ class Strand(NamedTuple):
     iterations: tuple[int, int]
     weight: float = 1.0
     most: float = np.inf
+    robots: int = 1
 
     def effort(self, rng: np.random.Generator, size: int) -> tuple[int, int]:
         """Draw (ants, iterations)."""
@@ -97,8 +101,10 @@ class Recipe(NamedTuple):
         return strand, str(rng.choice(strand.families)), str(rng.choice(strand.rules))
 
 
-def draw(family: str, rng: np.random.Generator, size: int) -> Scenario | DiscScenario:
-    """Draw a scenario whose shortest path is at most five straight lines long.
+def draw(
+    family: str, rng: np.random.Generator, size: int, robots: int = 1
+) -> Scenario | DiscScenario | Fleet:
+    """Draw a scenario whose shortest path is at most five straight lines long; or a fleet of such ones on one grid.
 
     A few mazes are longer. All that an agent sees of a run is its length, ten straight lines at most: there, a good
     path could not be told from a bad one, nor from none.
@@ -106,8 +112,13 @@ def draw(family: str, rng: np.random.Generator, size: int) -> Scenario | DiscSce
     generate = FAMILIES.get(family) or DISC_FAMILIES[family]
     while True:
         scenario = generate(rng, size)
-        if scenario.optimum <= LONGEST * scenario.straight_line:
+        if scenario.optimum > LONGEST * scenario.straight_line:
+            continue
+        if robots == 1:
             return scenario
+        fleet = in_company(rng, scenario, robots, LONGEST)
+        if fleet is not None:
+            return fleet
 
 
 def _log_uniform(rng: np.random.Generator, low: int, high: int) -> int:
@@ -136,6 +147,8 @@ _MOUNTAIN = Strand(("mountains",), ("liu2020",), _odd(15, 27), (5, 40), (10, 100
 _FIELD = Strand(_SOLIDS, ("zhang_apf",), _odd(15, 27), (5, 40), (10, 200))
 _ROOM = Strand(("rooms",), ("zhang2011",), _odd(15, 31), (5, 40), (10, 150), most=WANDERING)
 _PALLET = Strand(("clutter",), ("wei2018",), (20,), (5, 40), (10, 150), most=WANDERING)
+# A fleet takes five runs in the mean, up to a dozen where robots are in each other's way.
+_FLEET = _ROOM._replace(sizes=_odd(15, 25), ants=(5, 30), iterations=(5, 60), most=WANDERING / 8, robots=3)
 _ANY = Strand(LAYERED, TEXTBOOK, _LADDER, (5, 50), (3, 200))
 # Way-points settle round scattered discs whatever the parameters; between walls these matter. With twelve way-points,
 # fewer than a hundred cycles find nothing; with four, tens of them do.
@@ -184,6 +197,11 @@ SUITES: dict[str, Recipe] = {
         (_ROOM,),
         {**_COUNTS, "ood": 112},
         ood=(_ROOM._replace(sizes=(37, 43, 51)), _ROOM._replace(families=("mazes", "clutter", "warehouse"))),
+    ),
+    "fleet-v0": Recipe(
+        (_FLEET,),
+        {**_COUNTS, "ood": 112},
+        ood=(_FLEET._replace(sizes=(33, 39)), _FLEET._replace(families=("clutter", "warehouse"))),
     ),
     "pallet-v0": Recipe(
         (_PALLET,),

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
+from antgym.maps.fleet import Fleet
 from antgym.maps.formats.elevation import jacksboro
 from antgym.maps.generators import terrain_windows
 from antgym.maps.recipes import SUITES, draw
@@ -27,7 +28,7 @@ class SuiteItem(NamedTuple):
 
     Attributes:
         name: suite, split and number of what is generated, or window and rotation of real terrain; of one's own, any.
-        scenario: what is planned.
+        scenario: what is planned, for one robot or for a fleet.
         ants: ants per iteration, or bees.
         iterations: iterations per run, or cycles.
         rules: name of the swarm's rules.
@@ -35,7 +36,7 @@ class SuiteItem(NamedTuple):
     """
 
     name: str
-    scenario: Scenario[Any, Any]
+    scenario: Scenario[Any, Any] | Fleet
     ants: int = 20
     iterations: int = 50
     rules: str = "liu2020"
@@ -121,7 +122,9 @@ class Suite(Sequence[SuiteItem]):
         rng = np.random.default_rng(root)
         size = int(rng.choice(strand.sizes))
         effort = strand.effort(rng, size)
-        return SuiteItem(name, replace(draw(family, rng, size), name=name), *effort, rules, family)
+        return SuiteItem(
+            name, replace(draw(family, rng, size, strand.robots), name=name), *effort, rules, family
+        )
 
     def _real(self, index: int) -> SuiteItem:
         scenario, rules = self._windows[index], self._recipe.terrain

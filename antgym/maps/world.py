@@ -272,8 +272,11 @@ class Scenario(Generic[World, Place]):
         from antgym.maps.disc_chart import DiscChart
         from antgym.maps.occupancy import Chart
 
-        kind: Any = Chart if isinstance(self.world, GridWorld) else DiscChart
-        return cast("Chart | DiscChart", kind(self.world, self.start, self.goal))
+        if isinstance(self.world, GridWorld):
+            question = self._on_a_grid
+            return Chart(question.world, [question.start], [question.goal])
+        discs = cast("Any", self)
+        return DiscChart(discs.world, discs.start, discs.goal)
 
     @cached_property
     def digest(self) -> str:

@@ -13,6 +13,7 @@ from antgym.errors import ParameterError
 from antgym.kernels import layout
 from antgym.kernels.ants import plan_range
 from antgym.kernels.layout import RUN, Ground, History
+from antgym.maps.fleet import Fleet
 from antgym.maps.motion import MOTIONS, REACH, move_table
 from antgym.maps.world import PAD, GridWorld, Scenario
 from antgym.planners.buffers import Workspace, grown
@@ -157,6 +158,8 @@ def _rows(scenarios: list[Scenario], asked: list[str | Rules], rules: list[Rules
                 raise ParameterError(
                     f"rules {called} walk a grid, and {scenario.name!r} lies among discs; take rules of bees (wu2018)"
                 )
+            if isinstance(scenario, Fleet):
+                raise ParameterError(f"{scenario.name!r} is a fleet; plan it by plan_fleet")
             row = known[name] = _row(scenario, rule)
         parts.append(row)
     return np.frombuffer(bytearray().join(parts), _RECORD)

@@ -1,28 +1,28 @@
 """Fleets: several robots on one map, each planned by a colony, none nearer to another than it may be (zhang2011).
 
-Robots are placed one after the other. Each follows the path that its colony found, at times that meet nobody who was
-placed before: it is staggered, by waits anywhere on the way. Where that delays it, it is planned again with a safety
-radius blocked around the cell that it heads for where it would meet somebody, a few times, and the earliest arrival
-counts. A robot that cannot be placed at all goes to the front of the order, and everything begins anew, now with an eye
-to where later ones still stand.
+How robots keep apart is for :mod:`antgym.planners.placing`; here their paths are planned, those of many fleets in few
+calls.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import combinations
-from typing import NamedTuple
+from itertools import accumulate
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antgym.errors import ParameterError, ScenarioError
-from antgym.maps.world import GridWorld, Scenario
+from antgym.errors import ParameterError
+from antgym.maps.fleet import Fleet, side_by_side
+from antgym.maps.world import Scenario
+from antgym.planners.effort import each_rules, effort, keys_of
+from antgym.planners.parameters import ColonyParameters, check_parameters
+from antgym.planners.placing import Dialogue, Placement, Way, placing
 from antgym.planners.planning import AnyRules, plan_many
-from antgym.planners.schedules import ROUNDING, schedule
-from antgym.planners.timed import TimedPath, meeting
+from antgym.planners.plans import Plans
+from antgym.planners.timed import TimedPath
 
-DETOURS = 4  # plans around a place of conflict, at most, every time that a robot is placed
+RESTARTS = 30
 
 Floats = NDArray[np.float64]
 
@@ -32,21 +32,23 @@ class FleetPlan:
     """What was found for a fleet.
 
     Attributes:
+        fleet: that was planned.
         paths: a timed path a robot, in world units and seconds; empty where there is none for all of them.
+        lengths: (n,) of these paths, as the colony adds them up; empty where there are none.
         order: how robots were placed, in the end.
         restarts: how often all was begun anew.
         plans: planner runs in all.
-        alone: (n,) seconds that each robot would take on an exact shortest path, alone.
-        optimum: world units of these paths in all.
+        moves: that ants made in all of them.
         status: ``"solved"``, or what stood in the way.
     """
 
+    fleet: Fleet = field(repr=False)
     paths: tuple[TimedPath, ...] = field(repr=False)
+    lengths: Floats = field(repr=False)
     order: tuple[int, ...]
     restarts: int
     plans: int
-    alone: Floats = field(repr=False)
-    optimum: float
+    moves: int
     status: str
 
     @property
@@ -55,9 +57,38 @@ class FleetPlan:
         return self.status == "solved"
 
     @property
+    def length(self) -> float:
+        """World units of all paths, and what robots would have travelled while they waited; inf without a solution.
+
+        Never below the fleet's optimum, not even by one bit.
+        """
+        if not self.solved:
+            return np.inf
+        waited = np.array([path.waited for path in self.paths])
+        return float((self.lengths + self.fleet.paces * waited).sum())
+
+    @property
+    def path(self) -> Floats:
+        """(n, 3) cells of all paths, a row of NaN between any two; (0, 3) without a solution."""
+        if not self.solved:
+            return np.empty((0, 3))
+        cells = [np.round(path.points / self.fleet.world.cell - 0.5) for path in self.paths]
+        return side_by_side(cells)
+
+    @property
+    def alone(self) -> Floats:
+        """(n,) seconds that each robot would take on an exact shortest path, alone."""
+        return self.fleet.optima / self.fleet.paces
+
+    @property
     def makespan(self) -> float:
         """Seconds until the last robot stands at its goal; inf without a solution."""
         return max((path.arrival for path in self.paths), default=np.inf)
+
+    @property
+    def gap(self) -> float:
+        """Length, waits included, over that of exact paths alone, less 1; inf without a solution."""
+        return self.length / self.fleet.optimum - 1
 
     @property
     def makespan_gap(self) -> float:
@@ -66,8 +97,8 @@ class FleetPlan:
 
     @property
     def length_gap(self) -> float:
-        """Length of all paths over that of exact ones alone, less 1; inf without a solution."""
-        return sum(path.length for path in self.paths) / self.optimum - 1 if self.solved else np.inf
+        """Length of the paths, without waits, over that of exact ones alone, less 1; inf without a solution."""
+        return float(self.lengths.sum()) / self.fleet.optimum - 1 if self.solved else np.inf
 
     @property
     def time_gap(self) -> float:
@@ -77,43 +108,73 @@ class FleetPlan:
         )
 
 
-class _Fleet(NamedTuple):
-    """What does not change while robots are placed."""
+@dataclass(frozen=True, eq=False)
+class FleetPlans:
+    """What was found for several fleets: arrays over them, and each as a :class:`FleetPlan`; as ``Plans`` are.
 
-    scenarios: Sequence[Scenario]
-    parameters: ArrayLike
-    rules: AnyRules
-    ants: int
-    iterations: int
-    speeds: Floats
-    apart: float
+    Attributes:
+        lengths: (B,) float64, each plan's ``length``, inf where there is none.
+        moves: (B,) int64, moves that all ants of all planner runs of a fleet made.
+        seeds: (B,) uint64, what each was planned with.
+    """
 
-    def start(self, robot: int) -> Floats:
-        """Return (1, 3), where a robot starts, in world units."""
-        return self.scenarios[robot].world.centre([self.scenarios[robot].start])
+    lengths: Floats
+    moves: NDArray[np.int64]
+    seeds: NDArray[np.uint64]
+    _plans: tuple[FleetPlan, ...] = field(repr=False)
+
+    def __len__(self) -> int:
+        return len(self._plans)
+
+    def __getitem__(self, part: slice) -> "FleetPlans":
+        return FleetPlans(self.lengths[part], self.moves[part], self.seeds[part], self._plans[part])
+
+    def plan(self, index: int) -> FleetPlan:
+        """Return one plan."""
+        return self._plans[index]
+
+
+@dataclass(frozen=True, eq=False)
+class FleetRun:
+    """A fleet that has been planned, behind the face of a colony that has walked to its end."""
+
+    parameters: ColonyParameters
+    _plan: FleetPlan = field(repr=False)
+
+    @classmethod
+    def of(cls, fleet: Fleet, parameters: ArrayLike, *, seed: int, **others: Any) -> "FleetRun":
+        """Plan a fleet; arguments as for :func:`plan_fleet`."""
+        values = check_parameters(parameters)
+        plan = plan_fleets([fleet], values, seeds=[seed], **others).plan(0)
+        return cls(ColonyParameters(*values[0].tolist()), plan)
+
+    def result(self) -> FleetPlan:
+        """Return what was found."""
+        return self._plan
 
 
 def plan_fleet(
-    scenarios: Sequence[Scenario],
+    robots: Fleet | Sequence[Scenario],
     parameters: ArrayLike,
     *,
-    apart: float,
+    apart: float | None = None,
     speeds: float | Sequence[float] = 1.0,
     rules: AnyRules = "zhang2011",
     ants: int = 20,
     iterations: int = 50,
     seed: int = 0,
-    restarts: int = 30,
+    restarts: int = RESTARTS,
 ) -> FleetPlan:
     """Plan robots that share a map, so that no two are ever nearer than ``apart``.
 
     A robot stands at its start until it leaves and at its goal for good; others keep away from it there too.
 
     Args:
-        scenarios: one a robot, all in the same world (one object) and under the same motion.
-        parameters: natural values of the colony, as for :func:`~antgym.planners.planning.plan`.
-        apart: smallest distance of two robots' centres, world units, > 0: the sum of their radii. On a grid, robots
-            that follow each other are a cell apart, and 0.7 of one where they turn.
+        robots: a fleet; or a scenario for each robot, with the next two arguments as for
+            :class:`~antgym.maps.fleet.Fleet`, which a fleet holds already.
+        parameters: natural values of the colony, the same for every robot, as for
+            :func:`~antgym.planners.planning.plan`.
+        apart: smallest distance of two robots' centres, world units, > 0.
         speeds: world units per second of all, or of each, > 0.
         rules: of the colony.
         ants: ants per iteration.
@@ -122,136 +183,101 @@ def plan_fleet(
         restarts: how often all may begin anew, in another order.
 
     Raises:
-        ScenarioError: if worlds or motions differ, starts or goals are too near each other, or a robot has no path.
+        ScenarioError: if the robots make no fleet, or one has no path.
         ParameterError: if another argument cannot be used.
     """
-    fleet = _Fleet(scenarios, parameters, rules, ants, iterations, _checked_speeds(scenarios, speeds), apart)
-    _check(fleet, restarts)
-    rng = np.random.default_rng(np.random.SeedSequence(seed))
-    optima = np.array([scenario.optimum for scenario in scenarios])
-    alone = optima / fleet.speeds
-    own = _planned(fleet, scenarios, rng)
-    lost = [robot for robot, points in enumerate(own) if points is None]
-    if lost:
-        status = f"no ant of robot {lost[0]} arrived"
-        return FleetPlan((), (), 0, len(own), alone, float(optima.sum()), status)
-    order = np.argsort(-alone, kind="stable").tolist()  # the longest way first
-    paths, plans = _placed(fleet, own, order, False, rng)
-    seen = {tuple(order)}
-    while len(paths) < len(own) and len(seen) <= min(restarts, math.factorial(len(own)) - 1):
-        stuck = order[len(paths)]
-        order = [stuck, *(robot for robot in order if robot != stuck)]
-        while tuple(order) in seen:
-            order = rng.permutation(len(own)).tolist()
-        seen.add(tuple(order))
-        paths, runs = _placed(fleet, own, order, True, rng)
-        plans += runs
-    found, status = tuple(paths[robot] for robot in sorted(paths)), "solved"
-    if len(paths) < len(own):
-        found, status = (
-            (),
-            f"robot {order[len(paths)]} found no way past others, in the last of {len(seen)} orders",
-        )
-    return FleetPlan(found, tuple(order), len(seen) - 1, len(own) + plans, alone, float(optima.sum()), status)
+    if not isinstance(robots, Fleet):
+        if apart is None:
+            raise ParameterError("apart is missing: how near two robots' centres may come, in world units")
+        robots = Fleet(robots, apart, speeds)
+    _ = robots.optimum  # where a robot has no path, no ant need try
+    values = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
+    return plan_fleets(
+        [robots], values, rules=rules, ants=ants, iterations=iterations, seeds=[seed], restarts=restarts
+    ).plan(0)
 
 
-def _placed(
-    fleet: _Fleet, own: Sequence[Floats | None], order: list[int], wary: bool, rng: np.random.Generator
-) -> tuple[dict[int, TimedPath], int]:
-    """Return the timed paths of robots in an order, up to the first that cannot be placed, and planner runs.
+def plan_fleets(
+    fleets: Sequence[Fleet],
+    parameters: ArrayLike,
+    *,
+    rules: AnyRules | Sequence[AnyRules] = "zhang2011",
+    ants: int | Sequence[int] = 20,
+    iterations: int | Sequence[int] = 50,
+    seeds: ArrayLike,
+    restarts: int = RESTARTS,
+) -> FleetPlans:
+    """Plan B fleets; fleet i comes out as :func:`plan_fleet` plans it alone.
 
-    Where they are wary, each keeps away from the starts of those after it, too; only if it cannot, they have to leave.
+    Their robots are planned in one call, then all that have to be planned again in another, and so on.
+
+    Args:
+        fleets: B of them.
+        parameters: (B, 4) natural values.
+        rules: one for all, or B.
+        ants: one for all, or B.
+        iterations: one for all, or B.
+        seeds: (B,) integers in [0, 2^64).
+        restarts: of each.
+
+    Raises:
+        ParameterError: if a parameter, rule, effort, seed or number of restarts cannot be used, or the counts differ.
     """
-    paths: dict[int, TimedPath] = {}
-    plans = 0
-    for i, robot in enumerate(order):
-        starts = [TimedPath(fleet.start(later), np.zeros(1)) for later in order[i + 1 :]] if wary else []
-        for company in ([*paths.values(), *starts], [*paths.values()])[: 2 if starts else 1]:
-            path, runs = _place(fleet, robot, own[robot], company, rng)
-            plans += runs
-            if path is not None:
-                break
-        if path is None:
-            break
-        paths[robot] = path
-    return paths, plans
-
-
-def _place(
-    fleet: _Fleet, robot: int, points: Floats | None, others: list[TimedPath], rng: np.random.Generator
-) -> tuple[TimedPath | None, int]:
-    """Return what arrives first of a robot's own path and some around places of conflict, and planner runs.
-
-    None where none of them keeps clear of others.
-    """
-    best, runs, scenario = None, 0, fleet.scenarios[robot]
-    while points is not None:
-        even = TimedPath.even(points, fleet.speeds[robot])
-        timed = schedule(points, fleet.speeds[robot], others, fleet.apart)
-        if timed is not None and (best is None or timed.arrival < best.arrival):
-            best = timed
-        met = [time for other in others if (time := meeting(even, other, fleet.apart - ROUNDING)) is not None]
-        if runs == DETOURS or not met:
-            break
-        heading_for = points[np.searchsorted(even.times, min(met)).clip(max=len(points) - 1)]
-        scenario = _around(scenario, heading_for, fleet.apart)
-        (points,) = _planned(fleet, [scenario], rng)
-        runs += 1
-    return best, runs
-
-
-def _around(scenario: Scenario, place: Floats, apart: float) -> Scenario:
-    """Return a scenario with the cells around a place blocked whose centres are nearer than ``apart``, its ends not."""
-    free = scenario.world.free.copy()
-    centres = scenario.world.centre(np.moveaxis(np.indices(free.shape), 0, -1))
-    free[np.linalg.norm(centres - place, axis=-1) < apart] = 0
-    free[scenario.start] = free[scenario.goal] = 1
-    return Scenario(GridWorld(free, scenario.world.cell), scenario.start, scenario.goal, scenario.motion)
-
-
-def _planned(fleet: _Fleet, scenarios: Sequence[Scenario], rng: np.random.Generator) -> list[Floats | None]:
-    """Return the (n, 3) points that the colony finds for each scenario, None where no ant arrived."""
-    plans = plan_many(
-        scenarios,
-        np.tile(np.asarray(fleet.parameters, dtype=np.float64), (len(scenarios), 1)),
-        rules=fleet.rules,
-        ants=fleet.ants,
-        iterations=fleet.iterations,
-        seeds=rng.integers(1 << 63, size=len(scenarios)),
-    )
-    found = (plans.plan(i) for i in range(len(scenarios)))
-    pairs = zip(scenarios, found, strict=True)
-    return [scenario.world.centre(plan.path) if plan.solved else None for scenario, plan in pairs]
-
-
-def _checked_speeds(scenarios: Sequence[Scenario], speeds: float | Sequence[float]) -> Floats:
-    values = np.asarray(speeds, dtype=np.float64)
-    if values.ndim and len(values) != len(scenarios):
-        raise ParameterError(f"{len(values)} speeds for {len(scenarios)} robots; give one, or one each")
-    if not (np.isfinite(values).all() and (values > 0).all()):
-        raise ParameterError(f"speeds = {speeds}: must be numbers above 0, world units per second")
-    return np.broadcast_to(values, (len(scenarios),))
-
-
-def _check(fleet: _Fleet, restarts: int) -> None:
-    """Raise where robots do not share a map, cannot keep apart at their ends, or an argument is out of its range."""
-    if not fleet.scenarios:
-        raise ParameterError("a fleet has at least one robot")
-    if not (np.isfinite(fleet.apart) and fleet.apart > 0):
-        raise ParameterError(f"apart = {fleet.apart}: robots keep a distance above 0, in world units")
     if restarts < 0:
         raise ParameterError(f"restarts = {restarts}: must be 0 or more")
-    first = fleet.scenarios[0]
-    for i, scenario in enumerate(fleet.scenarios):
-        if scenario.world is not first.world or scenario.motion != first.motion:
-            raise ScenarioError(
-                f"robot {i} moves in another world than robot 0, or by another motion; give all one"
-            )
-    for (i, one), (j, other) in combinations(enumerate(fleet.scenarios), 2):
-        for end in ("start", "goal"):
-            here, there = (first.world.centre(getattr(scenario, end)) for scenario in (one, other))
-            if np.linalg.norm(here - there) < fleet.apart - ROUNDING:
-                raise ScenarioError(
-                    f"robots {i} and {j} have a {end} at {getattr(one, end)} and {getattr(other, end)}, nearer than "
-                    f"{fleet.apart:g}; move one"
-                )
+    count, naturals = len(fleets), check_parameters(parameters)
+    if len(naturals) != count:
+        raise ParameterError(f"{len(naturals)} parameter sets for {count} fleets")
+    each = each_rules(rules, count)
+    ants_each, iterations_each = effort("ants", ants, count), effort("iterations", iterations, count)
+    keys = keys_of(seeds, count)
+    runs = [_Run(fleet, restarts, int(key)) for fleet, key in zip(fleets, keys, strict=True)]
+    while waiting := [i for i, run in enumerate(runs) if run.wanted]:
+        sizes = [len(runs[i].wanted) for i in waiting]
+        of = np.repeat(waiting, sizes)
+        plans = plan_many(
+            [scenario for i in waiting for scenario in runs[i].wanted],
+            naturals[of],
+            rules=[each[i] for i in of.tolist()],
+            ants=ants_each[of].tolist(),
+            iterations=iterations_each[of].tolist(),
+            seeds=np.concatenate([runs[i].seeds() for i in waiting]),
+        )
+        for i, size, end in zip(waiting, sizes, accumulate(sizes), strict=True):
+            runs[i].answer(plans[end - size : end])
+    found = tuple(run.plan() for run in runs)
+    lengths, moves = np.array([plan.length for plan in found]), np.array([plan.moves for plan in found])
+    return FleetPlans(lengths.astype(np.float64), moves.astype(np.int64), keys, found)
+
+
+class _Run:
+    """A fleet on its way: the dialogue that places it, what it wants planned, and what that has cost."""
+
+    def __init__(self, fleet: Fleet, restarts: int, seed: int) -> None:
+        self._fleet, self._rng = fleet, np.random.default_rng(np.random.SeedSequence(seed))
+        self._dialogue: Dialogue[Placement] = placing(fleet, restarts, self._rng)
+        self._placement: Placement | None = None
+        self._plans = self._moves = 0
+        self.wanted: Sequence[Scenario] = next(self._dialogue)
+
+    def seeds(self) -> NDArray[np.int64]:
+        """Draw a planner seed for each scenario that is wanted."""
+        return self._rng.integers(1 << 63, size=len(self.wanted))
+
+    def answer(self, plans: Plans) -> None:
+        """Tell what was found for all that was wanted."""
+        pairs = zip(self.wanted, map(plans.plan, range(len(plans))), strict=True)
+        ways = [Way(s.world.centre(plan.path), plan.length) if plan.solved else None for s, plan in pairs]
+        self._plans += len(plans)
+        self._moves += int(plans.moves.sum())
+        try:
+            self.wanted = self._dialogue.send(ways)
+        except StopIteration as end:
+            self._placement, self.wanted = end.value, ()
+
+    def plan(self) -> FleetPlan:
+        """Return what came of it."""
+        assert self._placement is not None
+        robots, order, restarts, status = self._placement
+        paths, lengths = tuple(one.path for one in robots), np.array([one.length for one in robots])
+        return FleetPlan(self._fleet, paths, lengths, order, restarts, self._plans, self._moves, status)

@@ -7,14 +7,14 @@ over points and safe intervals finds the earliest arrival there is (safe-interva
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antgym.maps.fleet import ROUNDING
 from antgym.planners.timed import TimedPath, within
-
-ROUNDING = 1e-9  # world units that robots may be nearer, so that those that touch do not meet by rounding
 
 Floats = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -38,6 +38,15 @@ class _Segments(NamedTuple):
     begins: Floats
     lasts: Floats
 
+    def some(self, which: NDArray[np.intp]) -> "_Segments":
+        """Return some of them, one as often as it is named."""
+        return _Segments(*(column[which] for column in self))
+
+    @property
+    def ways(self) -> Floats:
+        """(m, d) from where each begins to where it ends, world units."""
+        return self.velocities * np.where(np.isfinite(self.lasts), self.lasts, 0.0)[:, None]
+
 
 def schedule(points: Floats, speed: float, others: Sequence[TimedPath], apart: float) -> TimedPath | None:
     """Return the timed path over points that arrives first and keeps ``apart`` from all others; None where none does.
@@ -50,7 +59,7 @@ def schedule(points: Floats, speed: float, others: Sequence[TimedPath], apart: f
     """
     durations = np.linalg.norm(np.diff(points, axis=0), axis=1) / speed
     segments = _segments(others, points.shape[1])
-    safe = [_gaps(_near(point, segments, apart - ROUNDING)) for point in points]
+    safe = [_gaps(near) for near in _near(points, segments, apart - ROUNDING)]
     crossed = _crossings(points, durations, segments, apart - ROUNDING)
     stays = [_Stay(0.0, last, i, None, 0.0) for i, (first, last) in enumerate(safe[0]) if first <= 0 <= last]
     for i, duration in enumerate(durations.tolist()):
@@ -99,61 +108,76 @@ def _segments(others: Sequence[TimedPath], dimensions: int) -> _Segments:
     return _Segments(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def _near(point: Floats, segments: _Segments, apart: float) -> list[Interval]:
-    """Return when others are near a point."""
-    begin, end = within(segments.velocities, segments.places - point, apart)
-    begin, end = np.maximum(begin, 0), np.minimum(end, segments.lasts)
-    met = begin < end
-    return _merged(segments.begins[met] + begin[met], segments.begins[met] + end[met])
+def _near(points: Floats, segments: _Segments, apart: float) -> list[list[Interval]]:
+    """Return when others are near each of n points."""
+    rows, others = _neighbours(points, np.zeros_like(points), segments, apart)
+    begin, end = within(others.velocities, others.places - points[rows], apart)
+    return _intervals(len(points), rows, others, np.maximum(begin, 0), np.minimum(end, others.lasts))
 
 
 def _crossings(points: Floats, durations: Floats, segments: _Segments, apart: float) -> list[list[Interval]]:
-    """Return for every move when it must not begin.
+    """Return for each of n moves when it must not begin.
 
     A move of s ∈ [0, τ] and a motion of u ∈ [0, U] meet where |D + V s - W u| < apart, a convex part of a rectangle;
     t = u - s must not be what it is there. The ends of t lie on the rectangle's sides, or where the relative velocity
     is at right angles to the offset: there the two just touch.
     """
-    found = []
-    for point, target, tau in zip(points[:-1], points[1:], durations, strict=True):
-        velocity, offset = (target - point) / tau, point - segments.places
-        low = np.full(len(offset), np.inf)
-        high = np.full(len(offset), -np.inf)
-        for begin, end in (
-            *_along_motion(velocity, offset, tau, segments, apart),
-            *_along_move(velocity, offset, tau, segments, apart),
-            _touching(velocity, offset, tau, segments, apart),
-        ):
-            low, high = np.fmin(low, begin), np.fmax(high, end)
-        met = low < high
-        found.append(_merged(segments.begins[met] + low[met], segments.begins[met] + high[met]))
-    return found
+    moves = np.diff(points, axis=0)
+    rows, others = _neighbours(points[:-1], moves, segments, apart)
+    taus = durations[rows]
+    velocity, offset = moves[rows] / taus[:, None], points[rows] - others.places
+    low, high = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
+    for begin, end in (
+        *_along_motion(velocity, offset, taus, others, apart),
+        *_along_move(velocity, offset, taus, others, apart),
+        _touching(velocity, offset, taus, others, apart),
+    ):
+        low, high = np.fmin(low, begin), np.fmax(high, end)
+    return _intervals(len(moves), rows, others, low, high)
+
+
+def _neighbours(
+    places: Floats, ways: Floats, segments: _Segments, apart: float
+) -> tuple[NDArray[np.intp], _Segments]:
+    """Return the k pairs of a line and a segment that are not too far from each other to meet, whatever the times.
+
+    Args:
+        places: (n, d), where lines begin.
+        ways: (n, d), from there to where they end.
+        segments: of others.
+        apart: smallest distance.
+
+    Returns:
+        (k,) index of the line, rising, and the segments.
+    """
+    between = (places + ways / 2)[:, None] - (segments.places + segments.ways / 2)
+    reach = np.linalg.norm(ways, axis=1)[:, None] / 2 + np.linalg.norm(segments.ways, axis=1) / 2 + apart
+    rows, which = np.nonzero((between**2).sum(axis=-1) <= reach**2 + ROUNDING)
+    return rows, segments.some(which)
 
 
 def _along_motion(
-    velocity: Floats, offset: Floats, tau: float, segments: _Segments, apart: float
+    velocity: Floats, offset: Floats, taus: Floats, others: _Segments, apart: float
 ) -> list[tuple[Floats, Floats]]:
-    """Return the ends of t where s is 0 or τ and u varies; NaN where they do not meet."""
+    """Return the (k,) ends of t where s is 0 or τ and u varies; NaN where they do not meet."""
     ends = []
-    for s in (0.0, tau):
-        begin, end = within(-segments.velocities, offset + s * velocity, apart)
-        begin, end = np.maximum(begin, 0), np.minimum(end, segments.lasts)
+    for s in (np.zeros_like(taus), taus):
+        begin, end = within(-others.velocities, offset + s[:, None] * velocity, apart)
+        begin, end = np.maximum(begin, 0), np.minimum(end, others.lasts)
         met = begin < end
         ends.append((np.where(met, begin - s, np.nan), np.where(met, end - s, np.nan)))
     return ends
 
 
 def _along_move(
-    velocity: Floats, offset: Floats, tau: float, segments: _Segments, apart: float
+    velocity: Floats, offset: Floats, taus: Floats, others: _Segments, apart: float
 ) -> list[tuple[Floats, Floats]]:
-    """Return the ends of t where u is 0 or U and s varies; NaN where they do not meet."""
+    """Return the (k,) ends of t where u is 0 or U and s varies; NaN where they do not meet."""
     ends = []
-    lasting = np.isfinite(segments.lasts)
-    for u in (np.zeros(len(offset)), np.where(lasting, segments.lasts, 0.0)):
-        begin, end = within(
-            np.broadcast_to(velocity, offset.shape), offset - u[:, None] * segments.velocities, apart
-        )
-        begin, end = np.maximum(begin, 0), np.minimum(end, tau)
+    lasting = np.isfinite(others.lasts)
+    for u in (np.zeros_like(taus), np.where(lasting, others.lasts, 0.0)):
+        begin, end = within(velocity, offset - u[:, None] * others.velocities, apart)
+        begin, end = np.maximum(begin, 0), np.minimum(end, taus)
         met = begin < end
         # what stands for good forbids all times from then on
         last = np.where(lasting, u - begin, np.inf)
@@ -162,26 +186,36 @@ def _along_move(
 
 
 def _touching(
-    velocity: Floats, offset: Floats, tau: float, segments: _Segments, apart: float
+    velocity: Floats, offset: Floats, taus: Floats, others: _Segments, apart: float
 ) -> tuple[Floats, Floats]:
-    """Return the t at which the two just touch somewhere inside the rectangle; NaN where they do not.
+    """Return the (k,) t at which the two just touch somewhere inside the rectangle; NaN where they do not.
 
     At a given t the offset is D - W t + (V - W) s; its part across V - W is smallest of all s, and grows with t.
     """
-    relative = velocity - segments.velocities
+    relative = velocity - others.velocities
     square = np.maximum((relative**2).sum(axis=1, keepdims=True), np.finfo(float).tiny)
 
     def across(vectors: Floats) -> Floats:
         return vectors - (vectors * relative).sum(axis=1, keepdims=True) / square * relative
 
     ends = []
-    for end in within(across(-segments.velocities), across(offset), apart):
+    for end in within(across(-others.velocities), across(offset), apart):
         finite = np.isfinite(end)
         t = np.where(finite, end, 0.0)
-        s = -((offset - segments.velocities * t[:, None]) * relative).sum(axis=1) / square[:, 0]
-        inside = finite & (s >= 0) & (s <= tau) & (s + t >= 0) & (s + t <= segments.lasts)
+        s = -((offset - others.velocities * t[:, None]) * relative).sum(axis=1) / square[:, 0]
+        inside = finite & (s >= 0) & (s <= taus) & (s + t >= 0) & (s + t <= others.lasts)
         ends.append(np.where(inside, t, np.nan))
     return ends[0], ends[1]
+
+
+def _intervals(
+    count: int, rows: NDArray[np.intp], others: _Segments, begins: Floats, ends: Floats
+) -> list[list[Interval]]:
+    """Return for each of ``count`` rows the intervals that are not empty, counted from when a segment begins."""
+    met = begins < ends
+    rows, first, last = rows[met], (others.begins + begins)[met], (others.begins + ends)[met]
+    bounds = np.searchsorted(rows, np.arange(count + 1)).tolist()
+    return [_merged(first[a:b], last[a:b]) for a, b in pairwise(bounds)]
 
 
 def _merged(begins: Floats, ends: Floats) -> list[Interval]:

@@ -35,6 +35,12 @@ class TimedPath:
         """World units that it travels."""
         return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
 
+    @property
+    def waited(self) -> float:
+        """Seconds that it stands on its way, before it arrives."""
+        still = (np.diff(self.points, axis=0) == 0).all(axis=1)
+        return float(np.diff(self.times)[still].sum())
+
     @classmethod
     def even(cls, points: Floats, speed: float) -> "TimedPath":
         """Return the path over (n, d) points at one speed, world units per second, without a wait."""

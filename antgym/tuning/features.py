@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from antgym.maps.disc_features import DISC_FEATURES
 from antgym.maps.discs import DiscWorld
 from antgym.maps.features import FEATURES, Feature
+from antgym.maps.fleet import Fleet
 from antgym.maps.world import Scenario
 from antgym.planners.planning import AnyRules
 from antgym.tuning.naive import NAIVE_FEATURES, naive_features
@@ -73,7 +74,7 @@ DISC_TASK_FEATURES: tuple[Feature, ...] = (
 
 
 def task_features(
-    scenario: Scenario[Any, Any], ants: int, iterations: int, rules: AnyRules = "liu2020"
+    scenario: Scenario[Any, Any] | Fleet, ants: int, iterations: int, rules: AnyRules = "liu2020"
 ) -> NDArray[np.float32]:
     """Return the float32 features of :func:`task_table`; nothing in them depends on the optimum.
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.maps.features import Feature
+from antgym.maps.fleet import Fleet, robots_of
 from antgym.maps.world import Scenario
 from antgym.planners.planning import AnyRules, plan_many
 from antgym.planners.swarms import space_of
@@ -47,8 +48,12 @@ NAIVE_FEATURES = (
 )
 
 
-def naive_features(scenario: Scenario[Any, Any], rules: AnyRules) -> NDArray[np.float64]:
-    """Return the values of ``NAIVE_FEATURES``, always alike for a scenario and rules."""
+def naive_features(scenario: Scenario[Any, Any] | Fleet, rules: AnyRules) -> NDArray[np.float64]:
+    """Return the values of ``NAIVE_FEATURES``, always alike for a scenario and rules; of a fleet, its robots' mean."""
+    return np.mean([_walks(robot, rules) for robot in robots_of(scenario)], axis=0)
+
+
+def _walks(scenario: Scenario[Any, Any], rules: AnyRules) -> NDArray[np.float64]:
     units = np.full((len(WEIGHTS), 4), 0.5)
     units[:, 1] = WEIGHTS
     plans = plan_many(

@@ -31,7 +31,7 @@ class OpenTrial:
         colony: the run itself, of ants or of bees; the harness's, for it knows the scenario.
 
     Raises:
-        ParameterError: if there are fewer iterations than blocks.
+        ParameterError: if there are fewer iterations than blocks, or the problem is a fleet's.
     """
 
     def __init__(self, problem: TuningProblem, index: int, blocks: int, buffers: Any = None) -> None:

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import BudgetError, ParameterError, is_count
+from antgym.maps.fleet import Fleet
 from antgym.maps.world import Scenario
 from antgym.planners.batch import MOST_EFFORT
+from antgym.planners.fleet import FleetPlans, plan_fleets
 from antgym.planners.planning import plan_many
 from antgym.planners.plans import Plans
 from antgym.planners.rules import Rules
@@ -60,7 +62,7 @@ class TuningProblem:
     """A scenario, a rule and an effort; the harness's side of a task.
 
     Args:
-        scenario: what is planned.
+        scenario: what is planned; a fleet is planned as a whole, all of its robots under the one setting.
         rules: name of the swarm's rules: of ants on a grid, of bees among discs.
         ants: ants per iteration, ≥ 1, or bees, ≥ 4.
         iterations: iterations per run, ≥ 1, or cycles.
@@ -70,7 +72,7 @@ class TuningProblem:
         ParameterError: on unknown rules, rules that are not for such a world, or an effort that is too small.
     """
 
-    scenario: Scenario[Any, Any]
+    scenario: Scenario[Any, Any] | Fleet
     rules: str = "liu2020"
     ants: int = 20
     iterations: int = 50
@@ -129,11 +131,11 @@ class TuningProblem:
         keys = [(domain, index) for index in range(first, first + count)]
         return child_states([self.seed] * count, keys)[:, 0]
 
-    def run(self, units: NDArray[np.float64], domain: int, first: int) -> Plans:
+    def run(self, units: NDArray[np.float64], domain: int, first: int) -> Plans | FleetPlans:
         """Run settings on the seeds ``first`` onwards of a domain; the harness's way, charged to nobody."""
         return run_together([(self, units, domain, first)])[0]
 
-    def fresh(self, unit: NDArray[np.float64], count: int) -> Plans:
+    def fresh(self, unit: NDArray[np.float64], count: int) -> Plans | FleetPlans:
         """Run one setting on ``count`` seeds that no trial uses."""
         return self.run(np.repeat(self.space.check(unit), count, axis=0), FRESH, 0)
 
@@ -184,20 +186,31 @@ class Runs:
         """What the settings are to the planner, (n, d)."""
         return decode_together([problem.space for problem in self.problems], self.units)
 
-    def plan(self) -> Plans:
-        """Run them in one planner call; the only caller of the planner above it."""
-        problems = self.problems
-        return plan_many(
-            [p.scenario for p in problems],
-            self.naturals,
-            rules=[p.rules for p in problems],
-            ants=[p.ants for p in problems],
-            iterations=[p.iterations for p in problems],
-            seeds=child_states(self.seeds, self.keys)[:, 0],
-        )
+    def plan(self) -> Plans | FleetPlans:
+        """Run them in one planner call, fleets in a few; the only caller of the planner above it.
+
+        Raises:
+            ParameterError: where some problems are of fleets and some of single robots.
+        """
+        problems, planned = self.problems, self._scenarios()
+        others: Any = {
+            "rules": [p.rules for p in problems],
+            "ants": [p.ants for p in problems],
+            "iterations": [p.iterations for p in problems],
+            "seeds": child_states(self.seeds, self.keys)[:, 0],
+        }
+        if isinstance(planned[0], Fleet):
+            return plan_fleets(planned, self.naturals, **others)
+        return plan_many(planned, self.naturals, **others)
+
+    def _scenarios(self) -> list[Any]:
+        planned = [problem.scenario for problem in self.problems]
+        if len({isinstance(scenario, Fleet) for scenario in planned}) > 1:
+            raise ParameterError("fleets and single robots in one batch; run them apart")
+        return planned
 
 
-def run_together(requests: Sequence[Request]) -> list[Plans]:
+def run_together(requests: Sequence[Request]) -> list[Plans | FleetPlans]:
     """Run the settings of several problems in one planner call."""
     if not any(len(units) for _, units, _, _ in requests):
         return []

@@ -8,14 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from antgym.envs.control import LEAST_ITERATIONS
 from antgym.maps.suites import Suite, load_suite
 from antgym.planners.swarms import find_swarm_rules
 from antgym.tuning.problem import GAP_CAP, TuningProblem
 from experiments.headroom import measures
 from experiments.headroom.measures import Floats
 from experiments.headroom.pool import DESIGN, SCORE, Advance, Pool, Stage, cost, design, run_gaps, search
-from experiments.headroom.schedules import dynamic, schedule_runs
+from experiments.headroom.schedules import dynamic, schedule_runs, steerable
 from experiments.headroom.widenings import WIDENINGS
 
 FORMAT = "antgym card 2"  # a card that is measured in another way is another format
@@ -108,7 +107,7 @@ def runs_needed(suite: str, preset: Preset) -> int:
     settings, repeats = preset.design
     each = cost(preset.settings + winners, preset.oracle) + rows * preset.scored + settings * repeats
     long_enough = [
-        min(preset.schedule_maps, sum(split[i].iterations >= LEAST_ITERATIONS for i in range(count)))
+        min(preset.schedule_maps, sum(steerable(split[i]) for i in range(count)))
         for split, count in ((train, sources), (test, maps))
     ]
     return raced * cost(preset.settings, preset.race) + maps * each + schedule_runs(*long_enough)

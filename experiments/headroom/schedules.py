@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from agents.steering import Schedule
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
+from antgym.maps.suites import SuiteItem
+from antgym.maps.world import Scenario
 from antgym.planners.swarms import start
 from antgym.planners.threads import run_ranges
 from antgym.tuning.problem import TuningProblem
@@ -27,6 +29,11 @@ def family() -> list[Schedule]:
     return [static, *(Schedule(a, b, switch) for a, b in changes for switch in SWITCHES)]
 
 
+def steerable(one: TuningProblem | SuiteItem) -> bool:
+    """Whether a problem is one run, long enough that the control regime does not lengthen it."""
+    return isinstance(one.scenario, Scenario) and one.iterations >= LEAST_ITERATIONS
+
+
 def schedule_runs(train: int, test: int) -> int:
     """Return how many planner runs :func:`dynamic` takes on so many problems that are long enough."""
     return 0 if min(train, test) < 2 else RUNS * (train * len(family()) + test * 2)
@@ -37,9 +44,9 @@ def dynamic(
 ) -> dict[str, Any] | None:
     """Return what the best schedule of the family, chosen on train, saves on test over the static setting.
 
-    Only problems that the control regime does not lengthen count; None where there are too few.
+    Only steerable problems count; None where there are too few.
     """
-    chosen = [[p for p in split if p.iterations >= LEAST_ITERATIONS][:maps] for split in (train, test)]
+    chosen = [[p for p in split if steerable(p)][:maps] for split in (train, test)]
     if min(map(len, chosen)) < 2:
         return None
     schedules = family()

@@ -44,7 +44,7 @@ def _extent(picture: Picture) -> Points:
     extent = np.array(picture.free.shape) * picture.cell
     heights = _heights(picture)
     if heights is not None:
-        highest = max((path[:, 2].max() + 1 for path in picture.paths.values() if len(path)), default=1)
+        highest = max((np.nanmax(path[:, 2]) + 1 for path in picture.paths.values() if len(path)), default=1)
         extent[2] = max(float(heights.max()), highest * picture.cell[2])
     return extent
 
@@ -161,20 +161,23 @@ def _line(picture: Picture, name: str, shown: bool) -> dict[str, Any]:
 
 
 def _ends(picture: Picture) -> list[dict[str, Any]]:
-    """Return the labels of start and goal; unlike traces, labels are never hidden behind a mountain."""
+    """Return the labels of starts and goals; unlike traces, labels are never hidden behind a mountain."""
     path = next((path for path in picture.paths.values() if len(path)), None)
     if path is None:
         return []
-    centres = (path[[0, -1]] + 0.5) * picture.cell
+    there = ~np.isnan(path[:, 0])  # between the robots of a fleet there is nothing
+    before, after = np.append(False, there[:-1]), np.append(there[1:], False)
+    starts, goals = (np.flatnonzero(there & ~beside).tolist() for beside in (before, after))
+    labels = [*((i, "start", -1) for i in starts), *((i, "goal", 1) for i in goals)]
     return [
         {
-            **dict(zip("xyz", _numbers(centre), strict=True)),
+            **dict(zip("xyz", _numbers((path[i] + 0.5) * picture.cell), strict=True)),
             "text": text,
             "ax": side * 24,
             "ay": -34,
             "arrowwidth": 1,
         }
-        for centre, text, side in zip(centres, ("start", "goal"), (-1, 1), strict=True)
+        for i, text, side in labels
     ]
 
 
@@ -183,5 +186,8 @@ def _centres(picture: Picture, path: NDArray[np.int64]) -> dict[str, list[float]
 
 
 def _numbers(array: NDArray[np.floating[Any]]) -> list[Any]:
-    numbers: list[Any] = array.round(DECIMALS).tolist()
+    """Return numbers as JSON has them: none where there is a gap."""
+    rounded = array.round(DECIMALS).astype(object)
+    rounded[np.isnan(array)] = None
+    numbers: list[Any] = rounded.tolist()
     return numbers

@@ -3,7 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
-from efforts import small
+from efforts import quick, some_steps
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
@@ -20,7 +20,8 @@ QUICK = {"suite": "mountain-v0", "effort": [2, 2]}
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
 def test_it_has_nothing_to_say_of_ours(entry):
     shown = {"OneShot": "map", "Trials": "features", "Control": "features"}
-    check_vector_env(entry.id, steps=12, effort=small(entry, 2, 2), observation=shown[entry.regime])
+    made = quick(entry, ants=2, iterations=2)
+    check_vector_env(entry.id, steps=some_steps(entry), **made, observation=shown[entry.regime])
 
 
 def test_a_batch_is_checked_in_its_own_mode():

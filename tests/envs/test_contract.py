@@ -6,7 +6,7 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
-from efforts import flown_by_bees, small
+from efforts import flown_by_bees, quick, small
 from gymnasium.envs.registration import EnvSpec, load_env_creator
 from gymnasium.utils.env_checker import check_env
 
@@ -32,7 +32,7 @@ def zero(env):
 
 
 def make(entry, **kwargs):
-    return gymnasium.make(entry.id, **{"effort": small(entry), **kwargs})
+    return gymnasium.make(entry.id, **{**quick(entry), **kwargs})
 
 
 def frozen(observation):

@@ -5,7 +5,7 @@ notice. That no world of one split is in another is for ``tests/maps/test_suites
 import gymnasium
 import numpy as np
 import pytest
-from efforts import small
+from efforts import quick, some_steps
 
 from antgym.envs.catalogue import CATALOGUE
 from antgym.maps.suites import load_suite
@@ -13,7 +13,7 @@ from antgym.maps.world import Scenario
 
 pytestmark = pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
 NEARER = property(lambda scenario: 0.8 * scenario.straight_line)  # than any path can be: every gap grows
-SLOTS, STEPS, MAPS = 3, 10, 2
+SLOTS, MAPS = 3, 2
 
 
 class AskedError(Exception):
@@ -26,11 +26,11 @@ def refused(scenario):
 
 
 def settings(entry):
-    return {"split": "test", "effort": small(entry), "observation": "map"}
+    return {"split": "test", **quick(entry), "observation": "map"}
 
 
-def actions(shape):
-    return np.random.default_rng(3).uniform(-1, 1, (STEPS, *shape)).astype(np.float32)
+def actions(entry, shape):
+    return np.random.default_rng(3).uniform(-1, 1, (some_steps(entry), *shape)).astype(np.float32)
 
 
 def frozen(observation):
@@ -41,7 +41,7 @@ def played_together(entry):
     """(what agents see and what the planner walked, what rewards are made of) of some steps of a batch."""
     batch = gymnasium.make_vec(entry.id, num_envs=SLOTS, **settings(entry))
     seen, judged = [frozen(batch.reset(seed=3)[0])], []
-    for chosen in actions(batch.action_space.shape):
+    for chosen in actions(entry, batch.action_space.shape):
         observations, rewards, ends, _, infos = batch.step(chosen)
         ended = [frozen(last) for last in infos.get("final_obs", ()) if last is not None]
         lengths = infos.get("final_info", infos).get("length", np.zeros(0))
@@ -66,7 +66,7 @@ def seen_alone(entry, picked, step):
     """All that is seen of an episode on one map, stepped by ``step``, and the path that was walked last."""
     env = gymnasium.make(entry.id, **settings(entry)).unwrapped
     seen = [frozen(env.reset(seed=4, options={"scenario": picked})[0])]
-    for action in actions(env.action_space.shape):
+    for action in actions(entry, env.action_space.shape):
         step(env, action)
         seen += [frozen(env._episodes.observed(np.array([0]))), repr(env.session.trials)]
         if env.over:

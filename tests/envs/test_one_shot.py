@@ -64,7 +64,7 @@ def test_every_planner_run_is_counted():
 
 @pytest.mark.parametrize("world", WORLDS)
 def test_the_map_is_flat_where_all_worlds_of_a_suite_are(world):
-    worlds = {"Room", "Pallet", "Bee", "TabuBee"}
+    worlds = {"Room", "Fleet", "Pallet", "Bee", "TabuBee"}
     env = gymnasium.make(f"antgym/{world}OneShot-v0", effort=[4, 5], observation="map").unwrapped
     shape = (3, 32, 32) if world in worlds else (3, 16, 16, 16)
     assert env.observation_space["map"].shape == shape

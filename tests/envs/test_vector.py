@@ -7,7 +7,7 @@ from copy import deepcopy
 import gymnasium
 import numpy as np
 import pytest
-from efforts import ENTRIES, small
+from efforts import ENTRIES, quick, some_steps
 from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.vector import AutoresetMode
 
@@ -26,8 +26,8 @@ N, ROOT = 3, 5
 
 
 def settings(env_id):
-    few = {"budget": 3, "window": 2} if "Trials" in env_id else {}
-    return {"effort": small(ENTRIES[env_id]), **few}
+    few = {"window": 2} if "Trials" in env_id else {}
+    return {**quick(ENTRIES[env_id]), **few}
 
 
 def native(env_id, count=N, **kwargs):
@@ -59,7 +59,7 @@ def test_a_batch_repeats_single_environments_with_its_seeds(env_id, mode, observ
     alone = singles(env_id, mode, observation=observation)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng = np.random.default_rng(0)
-    for _ in range(12):
+    for _ in range(some_steps(ENTRIES[env_id])):
         actions = rng.uniform(-1, 1, batch.action_space.shape).astype(np.float32)
         assert_same(batch.step(actions), alone.step(actions))
     assert_same(batch.reset(), alone.reset())
@@ -71,7 +71,7 @@ def test_a_batch_that_waits_for_resets_repeats_single_environments(env_id):
     alone = singles(env_id, AutoresetMode.DISABLED)
     assert_same(batch.reset(seed=ROOT), alone.reset(seed=env_seeds(ROOT, N)))
     rng, over = np.random.default_rng(0), np.zeros(N, bool)
-    for _ in range(12):
+    for _ in range(some_steps(ENTRIES[env_id])):
         if over.any():
             options = {"reset_mask": over}
             assert_same(batch.reset(options=options), alone.reset(options=options))

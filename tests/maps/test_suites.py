@@ -21,6 +21,7 @@ DIGESTS = {
     "mountain-v0": ("8d65ff2bce1256a4", "b2fffbedcc5e4123", "535c7146fef40893", "13a4ca42b75295c9"),
     "potential-field-v0": ("a1d8918db1e3dae8", "b7e7a182abc23a99", "31d1023a482decf1", "91450621e4cf9caa"),
     "room-v0": ("1b4be16eb54b0654", "fb7b6baa4ffff767", "a06b691a744881dc", "53a06421d6fb4c91"),
+    "fleet-v0": ("3b3d671150984ee3", "93f1902a7dabd5ba", "fe526fb29d6ebcc5", "be7b5acad088d188"),
     "pallet-v0": ("ccef443a4d25029c", "8fabfb96a6088e52", "341c4c95502a8c56", "d8af024c9c88d896"),
     "open-v0": ("6d4bb2f4d234a873", "6b245e08dce1951d", "c13f841fe1bf78d4", "e9d2f8065b5b87f5"),
 }
@@ -30,6 +31,7 @@ COUNTS = {
     "mountain-v0": (200, 50, 100, 112),
     "potential-field-v0": (200, 50, 100, 112),
     "room-v0": (200, 50, 100, 112),
+    "fleet-v0": (200, 50, 100, 112),
     "pallet-v0": (200, 50, 100, 112),
     "open-v0": (1600, 100, 200, 104),
 }

@@ -44,6 +44,7 @@ def dense_distances(one, other, count=4001):
 
 def check(plan, scenarios, apart, speeds):
     """What must hold of a fleet, looked at without anything that planned it."""
+    assert plan.length >= sum(scenario.optimum for scenario in scenarios) - 1e-9
     for path, scenario, speed in zip(plan.paths, scenarios, speeds, strict=True):
         cells = np.round(path.points / scenario.world.cell - 0.5).astype(int)
         assert (tuple(cells[0]), tuple(cells[-1])) == (scenario.start, scenario.goal)
@@ -261,6 +262,7 @@ def test_nine_in_ten_draws_of_twenty_agents_are_solved(shared_data):
 
 
 BAD = {
+    "nothing said of distance": (lambda s: plan_fleet(s, SETTING), ParameterError, "apart is missing"),
     "no robot": (lambda s: plan_fleet([], SETTING, apart=1), ParameterError, "at least one robot"),
     "no distance": (lambda s: plan_fleet(s, SETTING, apart=0), ParameterError, "apart = 0"),
     "too few speeds": (

@@ -13,6 +13,7 @@ from agents.fitting import trials_needed
 from agents.graph import TransferGraph
 from agents.laplacian import transfers
 from antgym.maps.world import Scenario
+from antgym.planners.plans import Plans
 from antgym.tuning.agent import tune
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session
@@ -162,6 +163,7 @@ def solve(method: Method, ground: Ground) -> Answer:
     unit, trials = tune(agent, session, seed=ground.seed)
     seconds = time.perf_counter() - begun
     plans = target.fresh(unit, RUNS)
+    assert isinstance(plans, Plans)  # of one robot each
     histories = np.array([plans.plan(i).best for i in range(RUNS)])
     return Answer(
         method.label,
