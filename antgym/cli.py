@@ -172,7 +172,7 @@ class ShowFile(Reading):
     unit: Literal["cells", "map"] = "cells"
     """What start and goal count: cells, from 0, or the map's own unit, as metres."""
     out: tuple[Path, ...] = ()
-    """Files to write: .png a picture; .map, .3dmap, .yaml or .asc the map; .scen or .3dscen the scenario."""
+    """Files to write: .png a picture; .map, .3dmap, .bt, .yaml or .asc the map; .scen or .3dscen the scenario."""
 
 
 @dataclass(frozen=True)
