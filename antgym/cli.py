@@ -1,6 +1,7 @@
 """The command ``antgym``: plan or show a map of one's own, let an arm follow, list environments, measure the planner.
 
-Exit codes: 0 done, 1 no ant or bee arrived, 2 unusable input (one line says what and what to do), 130 Ctrl-C.
+Exit codes: 0 done, 1 no ant or bee arrived, 2 unusable input (one line says what and what to do), 130 Ctrl-C, 141
+where who reads the output has gone.
 Everything heavy is imported by the subcommand that needs it, so that ``antgym --help`` is quick.
 """
 
