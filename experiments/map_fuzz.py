@@ -1,4 +1,4 @@
-"""Throw damaged map files at the readers and see what breaks; by hand, never in CI.
+"""Throw damaged map files, and settings of their folders, at the readers and see what breaks; by hand, never in CI.
 
     python -m experiments.map_fuzz --cases 100000
     python -m experiments.map_fuzz --guided 300    # seconds of atheris, which looks for new ways through the readers
@@ -33,6 +33,17 @@ TREE = b"# Octomap OcTree binary file\nid OcTree\nsize 17\nres 0.1\ndata\n"
 SCENE = b"""{"bounds_xmin_xmax_ymin_ymax": [0, 4, 0, 3],
  "circles_x_y_r": [[1, 1, 0.5]], "rects_x_y_w_h": [[2, 2, 1, 0.5]]}"""
 ASC = b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\nNODATA_value -9999\n1 2 3\n4 5 6\n"
+SETTINGS = b"""rules = ["max_min"]
+ants = 5
+longest = 60.5
+split = { train = 0.5, test = 0.25 }
+["s*.map"]
+start = [1, 2]
+goal = [0.5, 1e3]
+unit = "map"
+crop = [0, 1, 2, 3]
+negate = true
+"""
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".bmp": "BMP", ".pgm": "PPM", ".gif": "GIF"}
 WORDS = (
     b"-1",
@@ -83,6 +94,7 @@ def samples(folder: Path) -> dict[str, bytes]:
         ".asc": ASC,
         ".npy": (folder / "made.npy").read_bytes(),
         ".npz": (folder / "made.npz").read_bytes(),
+        ".toml": SETTINGS,
         **{suffix: encoded(levels, kind) for suffix, kind in PICTURES.items()},
     }
 
@@ -116,6 +128,8 @@ def check(suffix: str, data: bytes, folder: Path) -> bool:
     read: Callable[[Path], object] = read_map
     if suffix in (".scen", ".3dscen"):
         read = _planned(read_scenarios)
+    elif suffix == ".toml":
+        read = _settled
     begun, held = time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     try:
         with warnings.catch_warnings():
@@ -139,6 +153,13 @@ def _planned(read: Callable[[Path], object]) -> Callable[[Path], object]:
         return found.scenario(0)  # type: ignore[attr-defined]  # rows have it
 
     return rows
+
+
+def _settled(path: Path) -> object:
+    from antgym.maps.suite_file import read_suite_file
+
+    settings = read_suite_file(path)
+    return settings.terms(path.with_name("sample.map"))
 
 
 def blind(arguments: Arguments, folder: Path) -> None:

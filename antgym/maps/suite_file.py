@@ -29,13 +29,14 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from antgym.errors import ParameterError, is_count, nearest
+from antgym.errors import AntgymError, ParameterError, nearest
 from antgym.maps.formats.files import text
 from antgym.maps.readers import options_of
 from antgym.maps.suites import SPLITS
 
 NAME = "suite.toml"
 MOST_BYTES = 64_000
+MOST_SCENARIOS, LARGEST = 10_000, 1e12  # no count of scenarios and no number is above
 SHARES = "split"
 
 
@@ -47,15 +48,14 @@ class Need(NamedTuple):
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
 
 
 def _are_numbers(*counts: int) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, list) and len(value) in counts and all(map(_is_number, value))
 
 
-_COUNT = Need("a whole number, 1 or more", lambda value: value is not True and is_count(value))
-_WHOLE = Need("a whole number, 0 or more", lambda value: type(value) is int and value >= 0)
+_COUNT = Need("a whole number, 1 or more", lambda value: type(value) is int and 1 <= value <= LARGEST)
 _NUMBER = Need("a number", _is_number)
 _NAME = Need("a name", lambda value: isinstance(value, str))
 _NAMES = Need(
@@ -67,9 +67,13 @@ _UNITS = Need('"cells" or "map"', lambda value: value in ("cells", "map"))
 
 PLANNING = {
     "rules": _NAMES,
-    **dict.fromkeys(("ants", "iterations", "scenarios"), _COUNT),
+    **dict.fromkeys(("ants", "iterations"), _COUNT),
+    "scenarios": Need(
+        f"a whole number from 1 to {MOST_SCENARIOS:,}",
+        lambda value: type(value) is int and 1 <= value <= MOST_SCENARIOS,
+    ),
     "longest": Need("a number above 0", lambda value: _is_number(value) and value > 0),
-    "seed": _WHOLE,
+    "seed": Need("a whole number, 0 or more", lambda value: type(value) is int and 0 <= value <= LARGEST),
     **dict.fromkeys(("start", "goal"), _PLACE),
     "unit": _UNITS,
 }
@@ -190,7 +194,9 @@ def read_suite_file(path: Path) -> SuiteFile:
         return SuiteFile(path, {})
     try:
         return SuiteFile(path, tomllib.loads(text(path, MOST_BYTES)))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except AntgymError:
+        raise
+    except (ValueError, RecursionError) as error:  # also numbers of more digits than Python reads or writes
         raise ParameterError(f"{path}: not TOML ({error})") from None
 
 
