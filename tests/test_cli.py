@@ -352,7 +352,7 @@ BAD = {
     "unknown kind of map": ("map", "README.md"),
     "an option of another kind": ("map", HILLS, "--ros", "1"),
     "one end": ("map", HILLS, "--start", "0", "1"),
-    "unknown kind to write": ("map", HILLS, "--out", "a.bt"),
+    "unknown kind to write": ("map", HILLS, "--out", "a.stl"),
     "not flat": ("map", HILLS, "--out", "a.map"),
     "unknown unit": ("plan", HILLS, *ENDS, "--unit", "feet"),
     "no radius": ("plan", HILLS, *ENDS, "--radius", "-1"),
