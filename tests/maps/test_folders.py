@@ -15,7 +15,7 @@ from antgym.maps.ground import over
 from antgym.maps.map import Frame, Map
 from antgym.maps.motion import Motion
 from antgym.maps.pairs import components, drawn
-from antgym.maps.readers import KINDS, options_of
+from antgym.maps.readers import KINDS, options_of, read_scenarios
 from antgym.maps.suite_file import READING
 from antgym.maps.suites import load_suite
 from antgym.maps.world import GridWorld, Scenario
@@ -159,6 +159,22 @@ def test_rows_are_no_longer_than_the_longest_and_a_seed_draws_them(folder):
     (folder / "one.map").unlink()
     with pytest.raises(MapError, match=r"no row of its scenario files can be planned under its suite\.toml"):
         names("longest = 1\n")
+
+
+def test_benchmarks_become_splits_of_a_suite_by_links_to_their_folders(tmp_path, shared_data):
+    """As the README's table has it, of fewer rows: no map of a split is in the other, every length is as declared."""
+    for split, name in (("validation", "mapf"), ("test", "movingai2d")):
+        (tmp_path / split).symlink_to(shared_data / name)
+    (tmp_path / "suite.toml").write_text("longest = 60\nscenarios = 2\nseed = 0\n")
+    for split, maps in (("validation", 6), ("test", 12)):
+        items = load_suite(str(tmp_path), split)
+        assert len({item.scenario.world.bits.tobytes() for item in items}) == maps
+        for item in items:
+            scen, _, line = item.name.rpartition(":")
+            row = next(row for row in read_scenarios(tmp_path / split / scen) if row.line == int(line))
+            lies = scen.startswith("battleground")  # see the benchmark's README
+            assert item.scenario.optimum == pytest.approx(row.length, abs=0.006) or lies
+            assert row.length <= 60
 
 
 def test_shares_split_the_maps_and_no_map_is_in_two_splits(tmp_path):
