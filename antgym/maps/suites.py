@@ -5,7 +5,7 @@ nor the size of another split matters. A suite never changes; another world is a
 """
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -42,6 +42,12 @@ class SuiteItem(NamedTuple):
     iterations: int = 50
     rules: str = "liu2020"
     family: str = "own"
+
+
+def digest_of(items: Iterable[SuiteItem]) -> str:
+    """Return the hash of the scenarios, efforts and rules of items in order, 64 hex digits."""
+    lines = (f"{item.scenario.digest} {item.ants} {item.iterations} {item.rules}\n" for item in items)
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
 @lru_cache
@@ -96,7 +102,7 @@ class Suite(Sequence[SuiteItem]):
     @cached_property
     def digest(self) -> str:
         """Hash of every scenario, effort and rule in order, 64 hex digits; builds all items."""
-        return _digest(self)
+        return digest_of(self)
 
     @property
     def _windows(self) -> tuple[Scenario, ...]:
@@ -145,7 +151,7 @@ class OwnSuite(tuple[SuiteItem, ...]):
     @property
     def digest(self) -> str:
         """Hash of every scenario, effort and rule in order, 64 hex digits."""
-        return _digest(self)
+        return digest_of(self)
 
 
 Items = Suite | OwnSuite
@@ -184,8 +190,3 @@ def load_suite(name: str, split: str) -> Items:
 @lru_cache
 def _named(name: str, split: str) -> Suite:
     return Suite(name, split)
-
-
-def _digest(items: Sequence[SuiteItem]) -> str:
-    lines = (f"{item.scenario.digest} {item.ants} {item.iterations} {item.rules}\n" for item in items)
-    return hashlib.sha256("".join(lines).encode()).hexdigest()
