@@ -1,6 +1,7 @@
 """The command ``antgym``: plan or show a map of one's own, for one robot or several, let an arm follow, list, measure.
 
-Exit codes: 0 done, 1 no ant or bee arrived, 2 unusable input (one line says what and what to do), 130 Ctrl-C.
+Exit codes: 0 done, 1 no ant or bee arrived, 2 unusable input (one line says what and what to do), 130 Ctrl-C, 141
+where who reads the output has gone.
 Everything heavy is imported by the subcommand that needs it, so that ``antgym --help`` is quick.
 """
 
@@ -220,7 +221,7 @@ class ShowFile(Reading):
     unit: Literal["cells", "map"] = "cells"
     """What start and goal count: cells, from 0, or the map's own unit, as metres."""
     out: tuple[Path, ...] = ()
-    """Files to write: .png a picture; .map, .3dmap, .yaml or .asc the map; .scen or .3dscen the scenario."""
+    """Files to write: .png a picture; .map, .3dmap, .bt, .yaml or .asc the map; .scen or .3dscen the scenario."""
 
 
 @dataclass(frozen=True)

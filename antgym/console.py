@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from antgym.errors import AntgymError
 
+BROKEN_PIPE = 141
 RESUMES = "interrupted; the same command goes on where this one stopped"
 _BOX = "╭╮╰╯│─"
 
@@ -55,15 +56,28 @@ def progress(title: str, total: int | None, after: float = 0.0) -> Iterator[Adva
 
 
 def main(script: Callable[[], None], interrupted: str = RESUMES) -> None:
-    """Run a script: an AntgymError is one line and exit code 2, Ctrl-C the words of ``interrupted`` and 130."""
+    """Run a script: an AntgymError is one line and exit code 2, Ctrl-C the words of ``interrupted`` and 130.
+
+    Where who reads the output has gone, as ``head`` does once it has its lines, the script ends without a word and with
+    141, which is what a shell says of other tools then.
+    """
     try:
-        script()
-    except AntgymError as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        print(interrupted, file=sys.stderr)
-        sys.exit(130)
+        try:
+            script()
+        except AntgymError as error:
+            print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+            sys.exit(2)
+        except KeyboardInterrupt:
+            print(interrupted, file=sys.stderr)
+            sys.exit(130)
+        finally:
+            sys.stdout.flush()
+    except (BrokenPipeError, SystemExit) as error:
+        # rich makes a SystemExit of it
+        if not isinstance(error, BrokenPipeError) and not isinstance(error.__context__, BrokenPipeError):
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes once more as it ends
+        sys.exit(BROKEN_PIPE)
 
 
 def parse(kind: Any, arguments: Sequence[str] | None, prog: str) -> Any:

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from antgym.console import write_whole
 from antgym.errors import MapError, nearest
-from antgym.maps.formats import elevation, movingai, ros, voxels
+from antgym.maps.formats import elevation, movingai, octomap, ros, voxels
 from antgym.maps.map import Frame, Map
 from antgym.maps.readers import suffix_of
 from antgym.maps.world import GridWorld, Scenario
 
-MAPS = (".map", ".3dmap", ".yaml", ".asc")
+MAPS = (".map", ".3dmap", ".bt", ".yaml", ".asc")
 SCENARIOS = (".scen", ".3dscen")
 
 
@@ -55,14 +55,14 @@ def poses_json(points: NDArray[np.float64]) -> bytes:
 
 
 def write_map(path: str | Path, world: Map | GridWorld) -> tuple[Path, ...]:
-    """Write a world as a map file; the end of its name says which: a MovingAI ``.map`` or ``.3dmap``, a ROS ``.yaml``.
+    """Write a world as a map file, as the end of its name says: MovingAI ``.map`` or ``.3dmap``, OctoMap ``.bt``, ROS.
 
-    ``.map`` and ``.3dmap`` know cells of edge 1 alone. Beside a ``.yaml`` its picture is written. ``.asc`` holds the
-    heights of a map that has some.
+    ``.map`` and ``.3dmap`` know cells of edge 1 alone. Beside a ROS ``.yaml`` its picture is written. ``.asc`` holds
+    the heights of a map that has some.
 
     Args:
         path: the file.
-        world: a world, or a map, whose place in the world a ``.yaml`` keeps.
+        world: a world, or a map, whose place in the world a ``.yaml`` or a ``.bt`` keeps.
 
     Returns:
         The files, each written as a whole or not at all.
@@ -85,6 +85,8 @@ def map_files(path: Path, world: Map | GridWorld) -> dict[Path, bytes]:
         return {path: movingai.map_bytes(grid)}
     if kind == ".3dmap":
         return {path: voxels.voxel_bytes(grid)}
+    if kind == ".bt":
+        return {path: octomap.octomap_bytes(grid, frame)}
     if kind == ".yaml":
         picture = path.with_suffix(".pgm")
         yaml, levels = ros.ros_bytes(grid, frame, picture.name)

@@ -56,7 +56,7 @@ class Arguments:
     out: Path = Path("out/transfer")
     """Folder of the ledger, of transfer.md, transfer.json, transfer.png and graph.png."""
     suite: str = "mountain-v0"
-    """Suite of the targets."""
+    """Suite of the targets, or a folder of maps."""
     split: str = "validation"
     """Its split: validation, test or ood."""
     maps: int = 50
@@ -72,10 +72,17 @@ class Arguments:
 
 
 class Outcome(NamedTuple):
-    """What an agent achieved at one budget: gaps of all fresh runs, (maps, seeds, fresh), and trials paid, mean."""
+    """What an agent achieved at one budget.
+
+    Attributes:
+        gaps: of all fresh runs, (maps, seeds, fresh).
+        trials: paid for, mean.
+        arrived: share of the fresh runs that found a path.
+    """
 
     gaps: Floats
     trials: float
+    arrived: float
 
     @property
     def means(self) -> Floats:
@@ -119,8 +126,10 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
 
 
 def _outcome(runs: Sequence[LedgerRun], maps: int) -> Outcome:
-    gaps = np.array([run.outcome.gaps for run in runs if run.outcome is not None])
-    return Outcome(gaps.reshape(maps, -1, gaps.shape[1]), float(np.mean([len(run.records) for run in runs])))
+    outcomes = [run.outcome for run in runs if run.outcome is not None]
+    gaps, lengths = (np.array([getattr(each, name) for each in outcomes]) for name in ("gaps", "lengths"))
+    trials = float(np.mean([len(run.records) for run in runs]))
+    return Outcome(gaps.reshape(maps, -1, gaps.shape[1]), trials, float(np.isfinite(lengths).mean()))
 
 
 def worse(outcome: Outcome, reference: Outcome) -> int:
@@ -169,7 +178,7 @@ def _summary(arguments: Arguments, outcomes: dict[Key, Outcome]) -> str:
 
 
 HEADINGS = (
-    *("agent", "gap %", "95 %", "trials", "first minus this, points", "95 %"),
+    *("agent", "gap %", "95 %", "arrived", "trials", "first minus this, points", "95 %"),
     *("worse than default", "worse than copy"),
 )
 
@@ -187,6 +196,7 @@ def _section(arguments: Arguments, budget: int, outcomes: dict[Key, Outcome]) ->
                 name,
                 f"{100 * found.means.mean():.1f}",
                 f"{100 * low:.1f} to {100 * high:.1f}",
+                f"{found.arrived:.1%}",
                 f"{found.trials:.1f}",
                 *_signed(difference),
                 *shares,

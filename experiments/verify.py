@@ -23,8 +23,9 @@ from agents.steering import PolicyController
 from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
 from antgym.console import main, parse, progress
 from antgym.envs.control import BLOCKS
-from antgym.errors import AgentError, ParameterError
-from antgym.maps.suites import Suite, SuiteItem, load_suite
+from antgym.errors import AgentError, ParameterError, nearest
+from antgym.maps.recipes import SUITES
+from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.agent import Agent, tune
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.run_features import observe_run
@@ -84,8 +85,13 @@ def verify(arguments: Arguments) -> int:
 
 def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
     """Return the maps that a claim is about; ParameterError names the field where there are none such."""
+    if submission.suite not in SUITES:  # a folder would be one of this machine, named by a stranger
+        hint = nearest(submission.suite, tuple(SUITES))
+        raise ParameterError(
+            f"{folder / MANIFEST}: field 'suite': unknown suite {submission.suite!r}; {hint}"
+        )
     try:
-        suite: Suite = load_suite(submission.suite, submission.split)
+        suite = load_suite(submission.suite, submission.split)
     except ParameterError as error:
         raise ParameterError(f"{folder / MANIFEST}: field 'suite': {error}") from None
     if submission.maps > len(suite):

@@ -1,6 +1,8 @@
 """The console script: each subcommand by process and in process; whatever is wrong is one line and exit code 2."""
 
+import io
 import json
+import os
 import subprocess
 import sys
 import time
@@ -48,6 +50,37 @@ def test_help_is_quick_and_names_the_subcommands():
     assert done.returncode == 0
     assert all(name in done.stdout for name in ("plan", "envs", "bench"))
     assert seconds < 5  # under 1 on a quiet machine; what it must not do is in the next test
+
+
+@pytest.mark.parametrize(
+    "words", ["antgym.cli plan --help", "antgym.cli envs", "experiments.committee --help"]
+)
+def test_a_reader_that_has_gone_as_head_does_ends_a_command_without_a_word(words):
+    """Nobody reads from the first byte on; what prints by itself, by rich and by tyro all end alike."""
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "wb") as pipe:
+        command = [sys.executable, "-m", *words.split()]
+        done = subprocess.run(command, cwd=ROOT, stdout=pipe, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (console.BROKEN_PIPE, "")
+
+
+def test_what_is_wrong_is_said_even_where_nobody_reads_the_output(monkeypatch, capsys):
+    class Gone(io.StringIO):
+        def flush(self):
+            raise BrokenPipeError
+
+        def fileno(self):
+            return os.open(os.devnull, os.O_WRONLY)
+
+    def script():
+        raise AntgymError("no such map")
+
+    monkeypatch.setattr(sys, "stdout", Gone())
+    with pytest.raises(SystemExit) as caught:
+        console.main(script)
+    assert caught.value.code == console.BROKEN_PIPE
+    assert capsys.readouterr().err == "error: no such map\n"
 
 
 def test_help_imports_nothing_heavy():
@@ -319,7 +352,7 @@ BAD = {
     "unknown kind of map": ("map", "README.md"),
     "an option of another kind": ("map", HILLS, "--ros", "1"),
     "one end": ("map", HILLS, "--start", "0", "1"),
-    "unknown kind to write": ("map", HILLS, "--out", "a.bt"),
+    "unknown kind to write": ("map", HILLS, "--out", "a.stl"),
     "not flat": ("map", HILLS, "--out", "a.map"),
     "unknown unit": ("plan", HILLS, *ENDS, "--unit", "feet"),
     "no radius": ("plan", HILLS, *ENDS, "--radius", "-1"),

@@ -43,22 +43,22 @@ def test_no_path_and_one_point_have_poses_too(count):
     assert [pose["header"]["frame_id"] for pose in found["poses"]] == ["odom"] * count
 
 
-def flat(cell=UNIT):
+def flat(cell=UNIT, yaw=0.25):
     world = GridWorld(np.random.default_rng(0).random((6, 4)) > 0.3, cell)
-    return Map(world, Motion("grid8"), Frame((1.0, -2.0, 0.0), 0.25, "m"), "made", "made")
+    return Map(world, Motion("grid8"), Frame((1.0, -2.0, 0.0), yaw, "m"), "made", "made")
 
 
-@pytest.mark.parametrize("name", ["a.map", "a.3dmap", "a.yaml"])
+@pytest.mark.parametrize("name", ["a.map", "a.3dmap", "a.yaml", "a.bt"])
 def test_a_map_is_written_as_its_name_says_and_read_again_as_an_equal_world(tmp_path, name):
     if name.endswith("yaml"):
         pytest.importorskip("yaml")
         pytest.importorskip("PIL")
-    map_ = flat()
+    map_ = flat(yaw=0.0 if name.endswith("bt") else 0.25)
     files = antgym.write_map(tmp_path / name, map_)
     again = antgym.read_map(tmp_path / name)
     assert sorted(files) == sorted(tmp_path.iterdir())
     assert (again.world.cell, again.world.bits.tolist()) == (map_.world.cell, map_.world.bits.tolist())
-    assert again.frame == map_.frame or not name.endswith("yaml")
+    assert again.frame == map_.frame or not name.endswith(("yaml", "bt"))
 
 
 def test_an_elevation_is_written_as_its_heights(tmp_path):
@@ -78,7 +78,7 @@ def test_scenarios_are_written_beside_their_map(tmp_path):
 def test_what_a_file_cannot_hold_is_refused_and_nothing_is_written(tmp_path):
     other = Scenario(flat().world, *np.argwhere(flat().world.free)[[0, -1]].tolist(), Motion("grid8"))
     cases = (
-        (lambda: antgym.write_map(tmp_path / "a.bt", flat()), r"unknown kind of map file '\.bt'"),
+        (lambda: antgym.write_map(tmp_path / "a.stl", flat()), r"unknown kind of map file '\.stl'"),
         (lambda: antgym.write_map(tmp_path / "a.map", flat((1.0, 2.0, 1.0))), "cells of equal edges"),
         (lambda: antgym.write_map(tmp_path / "a.asc", flat()), "only a map of heights"),
         (lambda: antgym.write_scenarios(tmp_path / "a.txt", [other]), "unknown kind of scenario file"),

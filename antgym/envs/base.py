@@ -31,7 +31,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """Base of the regimes. A step is paid, then judged; a batch does the same for many environments at once.
 
     Args:
-        suite: name of the suite scenarios come from; path of a folder of map files, see :mod:`antgym.maps.folders`;
+        suite: name of the suite scenarios come from; path of a folder of map files, see :func:`antgym.load_suite`;
             or scenarios of your own, a sequence of ``SuiteItem``.
         split: ``"train"``, ``"validation"``, ``"test"`` or ``"ood"`` of a named suite or a folder.
         effort: (ants, iterations), or (bees, cycles), for every scenario instead of each scenario's own.

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.envs.infos import Columns
-from antgym.envs.scenarios import Items
 from antgym.errors import ParameterError, is_count
 from antgym.maps.fleet import Fleet
+from antgym.maps.suites import Items
 from antgym.planners.batch import MOST_EFFORT
 from antgym.planners.planning import are_bees
 from antgym.planners.swarms import fewest, parameter_names

@@ -3,38 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, TypeVar
 
 from antgym.errors import ParameterError
-from antgym.maps.discs import DiscWorld
 from antgym.maps.fleet import Fleet
-from antgym.maps.folders import load_folder
-from antgym.maps.recipes import SUITES
-from antgym.maps.suites import Suite, SuiteItem, load_suite
+from antgym.maps.suites import Items, OwnSuite, Suite, SuiteItem, load_suite
 from antgym.maps.world import Scenario
 from antgym.planners.swarms import parameter_names
 from antgym.tuning.problem import TuningProblem
 
-
-class OwnSuite(tuple[SuiteItem, ...]):
-    """Scenarios of one's own in the place of a suite's split."""
-
-    __slots__ = ()
-
-    @property
-    def flat(self) -> bool:
-        """Whether every world is one cell high, or lies in the plane."""
-        worlds = [item.scenario.world for item in self]
-        return all(isinstance(world, DiscWorld) or world.shape[2] == 1 for world in worlds)
-
-    @property
-    def rules(self) -> tuple[str, ...]:
-        """The rules that plan them; all of ants, or all of bees."""
-        return tuple(dict.fromkeys(item.rules for item in self))
-
-
-Items = Suite | OwnSuite
 Question = TypeVar("Question", Scenario[Any, Any], Fleet)
 
 
@@ -42,7 +19,7 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
     """Return the items that episodes are drawn from.
 
     Args:
-        suite: name of a suite; path of a folder of maps, see :mod:`antgym.maps.folders`; or a sequence of items, which
+        suite: name of a suite; path of a folder of maps, see :func:`antgym.load_suite`; or a sequence of items, which
             may be a ``Suite``. Scenarios take their items' names.
         split: of a named suite, or of a folder.
 
@@ -52,12 +29,8 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
         ScenarioError: where no path leads through a scenario; a training should not find that out on its way.
     """
     if isinstance(suite, str):
-        folder = Path(suite)
-        if suite not in SUITES and folder.is_dir():
-            return _own(load_folder(folder, split))
-        if len(folder.parts) > 1:
-            raise ParameterError(f"suite = {suite!r}: no such folder (looked in {Path.cwd()})")
-        return load_suite(suite, split)
+        found = load_suite(suite, split)
+        return found if isinstance(found, Suite) else _own(found)
     if split != "train":  # the default, which says nothing
         raise ParameterError(
             f"split {split!r} of scenarios of your own: they have none; pass other scenarios"
@@ -66,7 +39,7 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
 
 
 @lru_cache(maxsize=16)
-def _own(items: tuple[SuiteItem, ...]) -> OwnSuite:
+def _own(items: OwnSuite) -> OwnSuite:
     return _checked(items)
 
 

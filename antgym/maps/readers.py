@@ -94,6 +94,12 @@ def read_scenarios(path: str | Path, map_path: str | Path | None = None) -> Rows
     return readers[path.suffix.lower()](path, None if map_path is None else Path(map_path))
 
 
+def options_of(path: Path) -> tuple[str, ...]:
+    """Return the names of the options that :func:`read_map` takes for such a file."""
+    kind = KINDS.get(suffix_of(path))
+    return ("radius", *(kind.options if kind else ()))
+
+
 def suffix_of(path: Path) -> str:
     """Return the end of a file's name that says what it is."""
     return "".join(path.suffixes[-2:]).lower() if path.suffix.lower() == ".gz" else path.suffix.lower()

@@ -8,11 +8,13 @@ import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import Any, NamedTuple, overload
 
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
+from antgym.maps.discs import DiscWorld
 from antgym.maps.fleet import Fleet
 from antgym.maps.formats.elevation import jacksboro
 from antgym.maps.generators import terrain_windows
@@ -75,7 +77,7 @@ class Suite(Sequence[SuiteItem]):
         return f"Suite({self.name!r}, {self.split!r})"
 
     def __reduce__(self) -> tuple[Any, tuple[str, str]]:
-        return load_suite, (self.name, self.split)  # items are made again where they are needed
+        return _named, (self.name, self.split)  # items are made again where they are needed
 
     def __len__(self) -> int:
         return self._recipe.counts[self.split] + len(self._windows)
@@ -133,12 +135,61 @@ class Suite(Sequence[SuiteItem]):
         )
 
 
-@lru_cache
-def load_suite(name: str, split: str) -> Suite:
-    """Return a split of a suite; the same object for the same names, so that optima are computed once.
+class OwnSuite(tuple[SuiteItem, ...]):
+    """Scenarios of one's own in the place of a suite's split."""
+
+    __slots__ = ()
+
+    @property
+    def flat(self) -> bool:
+        """Whether every world is one cell high, or lies in the plane."""
+        worlds = [item.scenario.world for item in self]
+        return all(isinstance(world, DiscWorld) or world.shape[2] == 1 for world in worlds)
+
+    @property
+    def rules(self) -> tuple[str, ...]:
+        """The rules that plan them; all of ants, or all of bees."""
+        return tuple(dict.fromkeys(item.rules for item in self))
+
+    @property
+    def digest(self) -> str:
+        """Hash of every scenario, effort and rule in order, 64 hex digits."""
+        return digest_of(self)
+
+
+Items = Suite | OwnSuite
+
+
+def load_suite(name: str, split: str) -> Items:
+    """Return a split of a suite, or what a folder of maps of one's own gives in the place of one.
+
+    The same names give the same object, so that optima are computed once; a folder does until a file in it changes.
+    Maps of a folder that have a scenario file beside them give rows of it, others places that are drawn. Its splits are
+    folders in it, or shares of its maps. A ``suite.toml`` in it may say, for all maps or, in a table, for those whose
+    names a pattern matches: how they are read (any option of :func:`antgym.read_map`), ``start``, ``goal`` and
+    ``unit``, ``rules``, ``ants``, ``iterations``, how many ``scenarios``, the ``longest`` row and the ``seed`` that
+    draws rows; and ``split``, the shares. :mod:`antgym.maps.suite_file` shows one.
+
+    Args:
+        name: of a suite, or the path of a folder.
+        split: one of ``SPLITS``.
 
     Raises:
-        ParameterError: if there is no such suite or split; the message names the nearest.
+        ParameterError: if there is no such suite, folder or split, the message names the nearest; or if ``suite.toml``
+            says what cannot be used, with its key.
+        MapError: if a map of the folder cannot be read or used.
         MissingExtraError: on first use of ``ood``, if the package with the real maps is not installed.
     """
+    folder = Path(name)
+    if name not in SUITES and folder.is_dir():
+        from antgym.maps.folders import load_folder
+
+        return load_folder(folder, split)
+    if len(folder.parts) > 1:
+        raise ParameterError(f"suite = {name!r}: no such folder (looked in {Path.cwd()})")
+    return _named(name, split)
+
+
+@lru_cache
+def _named(name: str, split: str) -> Suite:
     return Suite(name, split)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from antgym.maps.suites import Suite, load_suite
+from antgym.maps.suites import Items, load_suite
 from antgym.planners.swarms import find_swarm_rules
 from antgym.tuning.problem import GAP_CAP, TuningProblem
 from experiments.headroom import measures
@@ -74,7 +74,7 @@ class Measured:
         return self.test[0].space.names
 
 
-def problems(suite: Suite, indices: Iterable[int]) -> list[TuningProblem]:
+def problems(suite: Items, indices: Iterable[int]) -> list[TuningProblem]:
     """Return problems of a split by index, as far as there are so many, each with a root seed of its own."""
     seeds = np.random.SeedSequence(int(hashlib.sha256(f"card {suite!r}".encode()).hexdigest(), 16))
     roots = seeds.generate_state(len(suite), np.uint64).tolist()
@@ -84,7 +84,7 @@ def problems(suite: Suite, indices: Iterable[int]) -> list[TuningProblem]:
     ]
 
 
-def _by_rule(suite: Suite, rules: Collection[str], count: int) -> dict[str, list[int]]:
+def _by_rule(suite: Items, rules: Collection[str], count: int) -> dict[str, list[int]]:
     """Return the indices of the first items of each rule; looks no further than it must."""
     found: dict[str, list[int]] = {rule: [] for rule in rules}
     for i, item in enumerate(suite):

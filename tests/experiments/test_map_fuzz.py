@@ -57,6 +57,7 @@ SUFFIXES = st.sampled_from(
         ".asc",
         ".npy",
         ".npz",
+        ".toml",
         *map_fuzz.PICTURES,
     ]
 )

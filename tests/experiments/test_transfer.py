@@ -23,6 +23,7 @@ def test_a_tiny_measurement_writes_its_tables_and_pictures(tmp_path):
     text, numbers = path.read_text(), json.loads(path.with_suffix(".json").read_text())
     assert "## 0 trials a target" in text
     assert "## The graph: each source left out" in text
+    assert "| arrived |" in text
     assert set(numbers) == {f"{name}/{budget}" for name in names for budget in (0, 4)}
     assert np.shape(numbers["transfer_graph/4"]) == (2, 1)
     for name in ("graph.png", "transfer.png"):
@@ -43,8 +44,8 @@ def _goes_on_where_it_stopped(asked, text, numbers):
 
 def test_worse_is_what_two_standard_errors_cannot_explain():
     """Three maps, clearly worse, worse within the noise, better; by hand."""
-    ours = Outcome(np.array([[[0.5, 0.5]], [[0.2, 0.4]], [[0.1, 0.1]]]), 0.0)
-    theirs = Outcome(np.array([[[0.2, 0.2]], [[0.2, 0.3]], [[0.2, 0.2]]]), 0.0)
+    ours = Outcome(np.array([[[0.5, 0.5]], [[0.2, 0.4]], [[0.1, 0.1]]]), 0.0, 1.0)
+    theirs = Outcome(np.array([[[0.2, 0.2]], [[0.2, 0.3]], [[0.2, 0.2]]]), 0.0, 1.0)
     assert transfer.worse(ours, theirs) == 1
     assert transfer.worse(ours, ours) == 0
 

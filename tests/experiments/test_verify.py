@@ -94,6 +94,8 @@ def test_a_map_without_a_setting_is_named(folder):
     [
         ({"suite": None}, "submission.json: field 'suite' is missing"),
         ({"suite": "mountain"}, "field 'suite': unknown suite 'mountain'; did you mean"),
+        ({"suite": "../maps"}, "field 'suite': unknown suite '../maps'"),
+        ({"suite": "/tmp"}, "field 'suite': unknown suite '/tmp'"),
         ({"maps": 900}, "field 'maps' = 900: .* has 100 maps"),
         ({"maps": True}, "field 'maps' = True"),
         ({"mean_gap": 1.5}, "field 'mean_gap' = 1.5"),

@@ -1,18 +1,23 @@
 """A folder of map files in the place of a suite, and the places that are drawn on maps that name none."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from antgym.errors import AntgymError, MapError, ParameterError
+from antgym.errors import AntgymError, MapError, ParameterError, ScenarioError
 from antgym.exports import write_map, write_scenarios
 from antgym.maps.folders import load_folder
 from antgym.maps.formats.elevation import HeightField
+from antgym.maps.formats.pictures import encoded
 from antgym.maps.ground import over
 from antgym.maps.map import Frame, Map
 from antgym.maps.motion import Motion
 from antgym.maps.pairs import components, drawn
+from antgym.maps.readers import KINDS, options_of, read_scenarios
+from antgym.maps.suite_file import READING
+from antgym.maps.suites import load_suite
 from antgym.maps.world import GridWorld, Scenario
 
 UNIT = (1.0, 1.0, 1.0)
@@ -74,13 +79,125 @@ def test_settings_hold_for_every_map_and_rules_take_turns(folder):
         ("ants = 0\n", r"suite\.toml: ants = 0: needs a whole number"),
         ('ants = "5"\n', r"ants = '5': needs a whole number"),
         ("rules = 5\n", "rules = 5: needs a list of names"),
+        ("ants = true\n", "ants = True: needs a whole number"),
         ("ants = \n", r"suite\.toml: not TOML .*line 1"),
+        (
+            '["one.map"]\npixels = 5\n',
+            r"suite\.toml: \['one\.map'\] unknown setting 'pixels'; did you mean 'pixel'",
+        ),
+        ('["one.map"]\nradius = "wide"\n', r"\['one\.map'\] radius = 'wide': needs a number"),
+        ('["one.map"]\ncell = 0.5\n', r"one\.map: a \.map file has no option 'cell'"),
+        ('["three.map"]\nants = 5\n', r"\['three\.map'\] matches no map; did you mean 'two\.map'"),
+        ('["one.map"]\nstart = [1, 2]\n', r"suite\.toml: start and goal of one\.map come together"),
+        (
+            '["two.map"]\nradius = 1\n',
+            r"two\.map\.scen says what is where .*; radius would make it another map",
+        ),
+        (f"ants = {'1' * 5000}\n", r"suite\.toml: not TOML"),
+        (f"ants = 0x{'f' * 5000}\n", r"suite\.toml: not TOML"),
+        (f"radius = {'1' * 400}\n", "needs a number"),
+        ("longest = 0\n", "longest = 0: needs a number above 0"),
+        ("split = 0.5\n", r"split = 0\.5: needs shares above 0 by split"),
+        ("split = { train = 0.9, test = 0.2 }\n", "the shares add up to more than 1"),
+        ("split = { trains = 0.9 }\n", "split: unknown split 'trains'; did you mean 'train'"),
+        ("split = { test = 0.5 }\n", "split gives no share to 'train'"),
+        ("split = { test = 0.9, train = 0.1 }\n", "0.1 of 2 maps leave train none"),
     ],
 )
 def test_bad_settings_are_named(folder, text, message):
     (folder / "suite.toml").write_text(text)
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(AntgymError, match=message):
         load_folder(folder)
+
+
+def test_a_table_holds_for_the_maps_that_its_name_matches(folder):
+    (folder / "suite.toml").write_text(
+        'ants = 5\nscenarios = 2\n["o*.map"]\nants = 7\nrules = ["max_min"]\nradius = 0.5\n["one.map"]\nants = 9\n'
+    )
+    found = {item.name: (item.ants, item.rules) for item in load_folder(folder)}
+    rest = (5, "ant_colony_system")
+    one = (9, "max_min")
+    assert found == {"two.map.scen:2": rest, "two.map.scen:10": rest, "one.map#0": one, "one.map#1": one}
+
+
+def test_what_is_said_of_every_map_is_asked_of_the_kinds_that_know_it(tmp_path):
+    pytest.importorskip("PIL")
+    for name in ("a.png", "b.png"):
+        (tmp_path / name).write_bytes(encoded(np.full((4, 6), 255, np.uint8)))
+    write_map(tmp_path / "c.map", floor(1))
+    (tmp_path / "suite.toml").write_text('pixel = 0.5\nscenarios = 1\n["b.png"]\npixel = 0.25\ncell = 0.5\n')
+    cells = {
+        item.name: (item.scenario.world.shape[:2], item.scenario.world.cell[0])
+        for item in load_folder(tmp_path)
+    }
+    assert cells == {"a.png#0": ((6, 4), 0.5), "b.png#0": ((3, 2), 0.5), "c.map#0": ((12, 12), 1.0)}
+
+
+def test_a_map_may_have_one_scenario_that_is_named_in_cells_or_in_its_own_unit(folder):
+    (folder / "suite.toml").write_text(
+        '["two.map"]\nstart = [0, 8]\ngoal = [8.0, 0.0]\n'
+        '["one.map"]\nstart = [0.5, 0.5]\ngoal = [11.5, 10.5]\nunit = "map"\n'
+    )
+    write_map(folder / "one.map", GridWorld(np.ones((12, 12)), UNIT))
+    ends = {item.name: (item.scenario.start, item.scenario.goal) for item in load_folder(folder)}
+    assert ends == {"one.map": ((0, 0, 0), (11, 10, 0)), "two.map": ((0, 8, 0), (8, 0, 0))}
+    (folder / "suite.toml").write_text('["one.map"]\nstart = [0, 12]\ngoal = [0, 0]\n')
+    with pytest.raises(ScenarioError, match=r"one\.map: start \(0, 12\) lies outside the map"):
+        load_folder(folder)
+
+
+def test_rows_are_no_longer_than_the_longest_and_a_seed_draws_them(folder):
+    def names(settings):
+        (folder / "suite.toml").write_text(settings)
+        return [item.name for item in load_folder(folder) if item.name.startswith("two")]
+
+    near = [f"two.map.scen:{line}" for line in range(2, 7)]  # lengths 8 to 9.7
+    assert names("longest = 9.7\n") == near
+    draws = [names(f"longest = 9.7\nscenarios = 3\nseed = {seed}\n") for seed in range(6)]
+    assert all(len(draw) == 3 and set(draw) <= set(near) for draw in draws)
+    assert len({tuple(draw) for draw in draws}) > 1
+    (folder / "one.map").unlink()
+    with pytest.raises(MapError, match=r"no row of its scenario files can be planned under its suite\.toml"):
+        names("longest = 1\n")
+
+
+def test_benchmarks_become_splits_of_a_suite_by_links_to_their_folders(tmp_path, shared_data):
+    """As the README's table has it, of fewer rows: no map of a split is in the other, every length is as declared."""
+    for split, name in (("validation", "mapf"), ("test", "movingai2d")):
+        (tmp_path / split).symlink_to(shared_data / name)
+    (tmp_path / "suite.toml").write_text("longest = 60\nscenarios = 2\nseed = 0\n")
+    for split, maps in (("validation", 6), ("test", 12)):
+        items = load_suite(str(tmp_path), split)
+        assert len({item.scenario.world.bits.tobytes() for item in items}) == maps
+        for item in items:
+            scen, _, line = item.name.rpartition(":")
+            row = next(row for row in read_scenarios(tmp_path / split / scen) if row.line == int(line))
+            lies = scen.startswith("battleground")  # see the benchmark's README
+            assert item.scenario.optimum == pytest.approx(row.length, abs=0.006) or lies
+            assert row.length <= 60
+
+
+def test_shares_split_the_maps_and_no_map_is_in_two_splits(tmp_path):
+    for seed in range(10):
+        write_map(tmp_path / f"{seed}.map", floor(seed))
+    (tmp_path / "suite.toml").write_text(
+        "scenarios = 1\nsplit = { train = 0.6, validation = 0.1, test = 0.3 }\n"
+    )
+    parts = [
+        {item.name for item in load_suite(str(tmp_path), split)} for split in ("train", "validation", "test")
+    ]
+    assert [len(part) for part in parts] == [6, 1, 3]
+    assert len(set.union(*parts)) == 10
+    with pytest.raises(ParameterError, match=r"suite\.toml: split gives no share to 'ood', only"):
+        load_folder(tmp_path, "ood")
+    (tmp_path / "test").mkdir()
+    with pytest.raises(ParameterError, match=r"split gives shares, but .* has a folder 'test'"):
+        load_folder(tmp_path)
+
+
+def test_settings_know_every_option_of_every_kind_of_map():
+    kinds = {option for name in KINDS for option in options_of(Path(f"a{name}"))}
+    assert {*READING} == kinds | {"relief"}
 
 
 def test_the_picture_of_a_yaml_map_is_no_map_of_its_own(tmp_path):

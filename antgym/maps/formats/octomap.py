@@ -5,7 +5,8 @@ an inner node that follows, 0 unknown. Child i lies at x = bit 0, y = bit 1, z =
 of 2^(16 - d) cells a side, cell k along an axis spans [k - 32768, k - 32767) times the resolution.
 
 The stream is decoded without a loop over its nodes: how many inner children each has says where its subtree ends, ends
-say depths, and depths say places.
+say depths, and depths say places. It is written likewise: the bits of a node's place, interleaved, are its place in the
+order of depth first.
 """
 
 import re
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from antgym.errors import MapError
 from antgym.maps.formats.files import content, real, require_cells
+from antgym.maps.formats.movingai import require_square
 from antgym.maps.map import Frame, Map
 from antgym.maps.motion import Motion
 from antgym.maps.world import GridWorld
@@ -25,6 +27,7 @@ DEPTH, CENTRE = 16, 1 << 15
 MOST_BYTES = 10_000_000  # 5 million inner nodes
 FREE, OCCUPIED, INNER = 1, 2, 3
 _FIRST = b"# Octomap OcTree binary file"
+_SHIFTS = np.arange(0, 16, 2, dtype=np.uint16)  # of a child's two bits
 _CHILDREN = np.array([(i & 1, i >> 1 & 1, i >> 2) for i in range(8)], np.uint16)
 
 Ints = NDArray[np.int64]
@@ -171,3 +174,75 @@ def _twice(kinds: NDArray[np.uint8], begin: Ints, shape: Ints) -> NDArray[np.uin
         places = (begin[axis] + np.arange(shape[axis])) // 2
         kinds = kinds.take(places, axis=axis)
     return kinds
+
+
+def octomap_bytes(world: GridWorld, frame: Frame) -> bytes:
+    """Return a world as the bytes of a .bt file, in metres: every cell is known, free or occupied.
+
+    Raises:
+        MapError: if its cells are no cubes, or do not lie where an octree has them: at multiples of their edge, not
+            turned, within 32,768 of them from the origin; or if the tree is larger than what is read.
+    """
+    require_square(world, flat=False)
+    low = _low(world, frame)
+    words = encode(np.where(world.free, np.uint8(FREE), np.uint8(OCCUPIED)), low)
+    header = f"id OcTree\nsize {1 + _known(words)}\nres {world.cell[0]!r}\ndata\n"
+    data = _FIRST + b"\n" + header.encode() + words.tobytes()
+    if len(data) > MOST_BYTES:
+        raise MapError(
+            f"{len(data):,} bytes of an octree, at most {MOST_BYTES:,} are read; take larger cells"
+        )
+    return data
+
+
+def encode(kinds: NDArray[np.uint8], low: Ints) -> NDArray[np.uint16]:
+    """Return the words of the tree over a box of cells, its inner nodes in order of depth first.
+
+    Args:
+        kinds: (nx, ny, nz) FREE, OCCUPIED, or 0 where nothing is known; eight that are alike become one.
+        low: (3,) keys of the first cell.
+    """
+    words, places, first = [], [], low
+    for depth in range(DEPTH - 1, -1, -1):
+        eights = _eights(kinds, first % 2)
+        first = first // 2
+        alike = (eights == eights[..., :1]).all(axis=-1)
+        kinds = np.where(alike, eights[..., 0], np.uint8(INNER))
+        inner = np.nonzero(kinds == INNER)
+        words.append((eights[inner].astype(np.uint16) << _SHIFTS).sum(axis=1, dtype=np.uint16))
+        # a node has the place of its first child, and comes before it
+        places.append(_interleaved(np.stack(inner, axis=1) + first) << 3 * (DEPTH - depth) + 5 | depth)
+    return np.concatenate(words)[np.argsort(np.concatenate(places))].astype("<u2")
+
+
+def _eights(kinds: NDArray[np.uint8], odd: Ints) -> NDArray[np.uint8]:
+    """Return cubes by their eight children, (nx, ny, nz, 8); ``odd`` where the first cell is a second child."""
+    ends = [(int(left), int(left + side) % 2) for left, side in zip(odd, kinds.shape, strict=True)]
+    whole = np.pad(kinds, ends)
+    x, y, z = (side // 2 for side in whole.shape)
+    return whole.reshape(x, 2, y, 2, z, 2).transpose(0, 2, 4, 5, 3, 1).reshape(x, y, z, 8)
+
+
+def _interleaved(corners: Ints) -> Ints:
+    """Return (n,) places in the order of the tree of (n, 3) corners: bit b of x, y and z becomes 3b, 3b + 1, 3b + 2."""
+    bits = corners[:, :, None] >> np.arange(DEPTH) & 1
+    return np.asarray((bits << np.arange(DEPTH) * 3 + np.arange(3)[:, None]).sum(axis=(1, 2)))
+
+
+def _known(words: NDArray[np.uint16]) -> int:
+    """Return how many nodes the words are the parents of."""
+    return sum(int(np.count_nonzero(words >> shift & 3)) for shift in _SHIFTS)
+
+
+def _low(world: GridWorld, frame: Frame) -> Ints:
+    """Return the keys of the first cell of a world."""
+    edge, origin = world.cell[0], np.asarray(frame.origin)
+    steps = np.round(origin / edge)
+    if frame.yaw != 0 or np.abs(origin - steps * edge).max() > 1e-6 * edge:
+        raise MapError(
+            f"an octree has its cells at multiples of their edge {edge:g}, not turned; this map begins at "
+            f"{frame.origin}, turned by {frame.yaw:g}: write its world alone, map.world"
+        )
+    if (steps < -CENTRE).any() or (steps + world.shape > CENTRE).any():
+        raise MapError(f"an octree ends {CENTRE:,} cells from its origin; this map begins at {frame.origin}")
+    return steps.astype(np.int64) + CENTRE
