@@ -23,7 +23,7 @@ from antgym.tuning import COST_CAP
 from antgym.tuning.features import BEE_RULES_SHOWN, RULES_SHOWN, task_table
 
 pytestmark = pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.id)
-with_and_without_map = pytest.mark.parametrize("observation", ["features", "map", "map2d"])
+with_and_without_map = pytest.mark.parametrize("observation", ["features", "map"])
 
 
 def zero(env):

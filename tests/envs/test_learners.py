@@ -17,7 +17,7 @@ SETTINGS = {  # what each algorithm needs to update its networks within some hun
     "TD3": {"learning_starts": 40, "batch_size": 16},
     "SAC": {"learning_starts": 40, "batch_size": 16},
 }
-SLOTS, STEPS, BUDGET = 4, 240, 10
+SLOTS, STEPS, BUDGET = 4, 120, 10
 STEPS_AN_EPISODE = dict(zip(REGIMES, (1, BUDGET, 10), strict=True))
 RUNS_AN_EPISODE = dict(zip(REGIMES, (1, 2 * BUDGET, 1), strict=True))
 LEFT = len(TASK_FEATURES)  # where Trials shows the share of the budget left

@@ -75,15 +75,15 @@ from conftest import random_grid, random_scenario
 from scenarios import GRIDS
 from antgym.planners.colony import Colony, plan
 from antgym.planners.rules import PAPERS, TRAPS
-worlds = [random_scenario(5, size=6), *(random_grid(2, motion, 4) for motion in GRIDS)]
+worlds = [random_scenario(5, size=5), *(random_grid(2, motion, 4) for motion in GRIDS)]
 out = []
 for i, rules in enumerate(PAPERS.values()):
     for j in (0, 1 + i % len(GRIDS)):
         rules = rules._replace(trap=TRAPS[(i + j) % 3])
-        effort = {{"rules": rules, "ants": 6, "iterations": 8, "seed": 2**63 + 11}}
+        effort = {{"rules": rules, "ants": 5, "iterations": 5, "seed": 2**63 + 11}}
         p, colony = plan(worlds[j], (1.2, 2.5, 0.7, 50.0), **effort), Colony(worlds[j], **effort)
-        colony.advance((0.5, 1.5, 0.8, 20.0), 3)
-        colony.advance((1.2, 2.5, 0.7, 50.0), 5)
+        colony.advance((0.5, 1.5, 0.8, 20.0), 2)
+        colony.advance((1.2, 2.5, 0.7, 50.0), 3)
         out.append([p.length.hex(), p.path.tolist(), [x.hex() for x in p.mean.tolist()], p.moves])
         out.append([x.hex() for x in colony.diagnosis()])
     out.append(worlds[j].optimum.hex() if p.solved else "none")
