@@ -69,9 +69,10 @@ COLUMNS = (
     Column(
         "IQM %",
         "Interquartile mean of the gap: the mean of the middle half of all maps and seeds, which neither the hardest "
-        "maps nor the easiest move.",
+        "maps nor the easiest move. In brackets its 95 % interval.",
         lambda row, board: row.interquartile,
         percent,
+        lambda row, board: row.interquartile_ends,
         terminal=False,
     ),
     Column(
