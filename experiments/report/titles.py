@@ -14,11 +14,9 @@ TRACKS = {
 
 
 def site_title(boards: Sequence[Board]) -> str:
-    """Return what the titles of some boards share: all, or what stands before their colon."""
-    for shared in ({board.title for board in boards}, {board.title.partition(":")[0] for board in boards}):
-        if len(shared) == 1:
-            return shared.pop()
-    return "Leaderboards"
+    """Return the title that boards have in common."""
+    titles = {board.title for board in boards}
+    return titles.pop() if len(titles) == 1 else "Leaderboards"
 
 
 def board_id(board: Board) -> str:
