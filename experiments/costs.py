@@ -181,7 +181,7 @@ def estimate(arguments: leaderboard.Arguments, timed: Path | None) -> str:
         _work(found),
         _training(taught),
         _hours(sum(one.planner + one.thinking for one in found), max(one.longest for one in found), taught),
-        "A board on many cores takes as long as its longest run with --unit 1, and with larger units as the longest unit.",
+        "A board on many cores takes as long as its longest run with --unit 1, with larger units as the longest unit.",
     ]
     return "\n\n".join(parts)
 
