@@ -17,14 +17,14 @@ from antgym.console import progress, write_whole
 from antgym.errors import AntgymError, MissingExtraError
 from antgym.tuning.kept import KeptRun, read_runs
 from experiments.board import EXACT, SBS, VBS, Board, failures
-from experiments.columns import COLUMNS, TIE, size
+from experiments.columns import COLUMNS, TIE, TRACKS, size
 from experiments.report import marks
 from experiments.report.cards import agent_card, definition, flat
 from experiments.report.curves import anytime, profile, reached
 from experiments.report.hues import Hue, hues
 from experiments.report.importance import importance
 from experiments.report.maps import map_data, world_of
-from experiments.report.titles import TRACKS, board_id, board_label, choice, result, site_title
+from experiments.report.titles import board_id, board_label, choice, result, site_title
 from experiments.report.versus import versus
 from experiments.statistics import TARGETS
 

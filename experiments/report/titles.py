@@ -4,13 +4,7 @@ from collections.abc import Sequence
 from html import escape
 
 from experiments.board import Board
-from experiments.columns import percent, size
-
-TRACKS = {
-    "A": ("per map", "Tuned on each map by itself, whatever was learnt before."),
-    "B": ("after training", "Trained on other maps before; then no or a few trials on each new map."),
-    "C": ("control", "The parameters change on the way, within one run; no trial is paid."),
-}
+from experiments.columns import TRACKS, percent, size
 
 
 def site_title(boards: Sequence[Board]) -> str:
