@@ -21,7 +21,7 @@ from antgym.planners.fleet import FleetPlan, plan_fleet
 from antgym.planners.parameters import ColonyParameters
 
 if TYPE_CHECKING:
-    from antgym.cli import FleetFile
+    from antgym.commands import FleetFile
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 import agents
 import antgym
 from antgym import plan_file
-from antgym.cli import MapFile, PlanFile
+from antgym.commands import MapFile, PlanFile
 from antgym.console import main, parse, progress
 from antgym.errors import BudgetError, ParameterError
 from antgym.kernels import sources_hash
