@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from agents.fitting import trials_needed
-from antgym.console import progress
+from antgym.console import PATIENCE, progress
 from antgym.envs.scenarios import find_items
 from antgym.errors import LedgerError
 from antgym.maps.suites import SuiteItem
@@ -35,7 +35,6 @@ CORES = (1, 100, 10_000)
 MEASURED = 8  # settings that a run is timed with on every map
 PASSES = 2  # of which the quicker counts: whatever else the machine does only makes it slower
 TRAIN_MAPS = 16  # on which a run of training is timed
-PATIENCE = 2.0  # seconds before a bar is shown
 
 Clock = Mapping[tuple[str, int], float]
 """Seconds of a planner run, by the name of its map and its iterations."""
