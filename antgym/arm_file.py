@@ -15,7 +15,7 @@ from antgym.errors import MapError, ParameterError
 from antgym.robots import Trajectory, find_arm, follow, place
 
 if TYPE_CHECKING:
-    from antgym.cli import ArmFile
+    from antgym.commands import ArmFile
 
 AXES = ("x", "y", "z")
 

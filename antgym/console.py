@@ -12,6 +12,7 @@ from typing import Any, Protocol
 from antgym.errors import AntgymError
 
 BROKEN_PIPE = 141
+PATIENCE = 2.0  # seconds that a script may work without a bar
 RESUMES = "interrupted; the same command goes on where this one stopped"
 _BOX = "╭╮╰╯│─"
 

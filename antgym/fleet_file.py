@@ -21,7 +21,7 @@ from antgym.planners.fleet import FleetPlan, plan_fleet
 from antgym.planners.parameters import ColonyParameters
 
 if TYPE_CHECKING:
-    from antgym.cli import FleetFile
+    from antgym.commands import FleetFile
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ def read_fleet(command: "FleetFile", map_: Map) -> Fleet:
 def report(found: Convoy) -> str:
     """Return the lines that the terminal shows."""
     plan, fleet, command = found.plan, found.plan.fleet, found.command
-    unit = {"cells": "cells"}.get(found.map.frame.unit, found.map.frame.unit)
+    unit = found.map.frame.unit
     values = " ".join(f"--{name} {value:.6g}" for name, value in found.setting._asdict().items())
     lines = [
         f"world    {found.map.extent}",

@@ -1,4 +1,8 @@
-"""Pictures of fleets on their way: a strip of frames by matplotlib, and an animated page that needs nothing else."""
+"""Pictures of fleets for readers: a strip of frames by matplotlib, and an animated page that needs nothing else.
+
+What an environment renders, pixels by numpy alone at every step, is :mod:`antgym.envs.fleet_pictures`; the colours are
+the same.
+"""
 
 import io
 from typing import Any
@@ -6,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antgym.envs.fleet_pictures import COLOURS
+from antgym.envs.grid_pictures import HIGH, LOW
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.maps.fleet import Fleet
 from antgym.planners.fleet import FleetPlan
@@ -13,10 +19,16 @@ from antgym.planners.timed import TimedPath
 
 FRAMES, MOST_FRAMES = 5, 12
 SECONDS = 12.0  # that an animation lasts, whatever the fleet takes
-_COLOURS = ("#d0431a", "#1b66b8", "#7a3f9d", "#13806a", "#b8741a", "#8c2f4f", "#5a6b1a", "#3b4a54")
-_FLOOR, _WALL = "#f0ebe1", "#6d665f"
 
 Floats = NDArray[np.float64]
+
+
+def _hex(colour: Floats) -> str:
+    """Return a colour of numbers in [0, 1] as pages and matplotlib write it."""
+    return "#" + bytes(np.round(255 * colour).astype(np.uint8)).hex()
+
+
+_FLOOR, _WALL = _hex(LOW), _hex(HIGH)
 
 
 def strip(plan: FleetPlan, title: str, frames: int = FRAMES, down: bool = False) -> bytes:
@@ -154,7 +166,7 @@ def _sides(fleet: Fleet) -> tuple[float, float]:
 
 
 def _colour(index: int) -> str:
-    return _COLOURS[index % len(_COLOURS)]
+    return _hex(COLOURS[index % len(COLOURS)])
 
 
 def _require_solved(plan: FleetPlan) -> None:

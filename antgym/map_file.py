@@ -17,7 +17,7 @@ from antgym.maps.world import Scenario
 from antgym.plan_file import read_file, require_matplotlib
 
 if TYPE_CHECKING:
-    from antgym.cli import ShowFile
+    from antgym.commands import ShowFile
 
 COLUMNS = 3  # of features
 

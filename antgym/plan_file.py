@@ -29,7 +29,7 @@ from antgym.planners.smoothing import SmoothPath, smooth
 from antgym.planners.swarms import space_of
 
 if TYPE_CHECKING:
-    from antgym.cli import ColonySetting, MapFile, PlanFile, Reading
+    from antgym.commands import ColonySetting, MapFile, PlanFile, Reading
 
 
 OPTIONS = (

@@ -21,7 +21,7 @@ from antgym.planners.planning import plan
 from antgym.planners.plans import Plan
 
 if TYPE_CHECKING:
-    from antgym.cli import PlanFile
+    from antgym.commands import PlanFile
 
 GRID = (
     *(

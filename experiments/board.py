@@ -22,6 +22,7 @@ from experiments.statistics import (
     Estimate,
     cluster_interval,
     holm,
+    interquartile_interval,
     interquartile_mean,
     paired_difference,
     paired_p_value,
@@ -91,6 +92,11 @@ class Row:
     def interquartile(self) -> float:
         """Mean of the middle half of all gaps."""
         return interquartile_mean(self.gaps)
+
+    @cached_property
+    def interquartile_ends(self) -> tuple[float, float] | None:
+        """95 % interval of that mean, over maps; None for a single map."""
+        return interquartile_interval(self.gaps) if len(self.gaps) > 1 else None
 
     @cached_property
     def interval(self) -> tuple[float, float] | None:

@@ -9,7 +9,12 @@ if TYPE_CHECKING:
     from experiments.statistics import Estimate
 
 NONE = "–"
-TRACKS = {"A": "tuned per map", "B": "after training", "C": "control within a run"}
+TRACKS = {
+    "A": ("per map", "Tuned on each map by itself, whatever was learnt before."),
+    "B": ("after training", "Trained on other maps before; then no or a few trials on each new map."),
+    "C": ("control", "The parameters change on the way, within one run; no trial is paid."),
+}
+"""Name and meaning of every track."""
 
 
 def _no_interval(row: "Row", board: "Board") -> None:  # noqa: ARG001 - a column without one
@@ -69,9 +74,10 @@ COLUMNS = (
     Column(
         "IQM %",
         "Interquartile mean of the gap: the mean of the middle half of all maps and seeds, which neither the hardest "
-        "maps nor the easiest move.",
+        "maps nor the easiest move. In brackets its 95 % interval.",
         lambda row, board: row.interquartile,
         percent,
+        lambda row, board: row.interquartile_ends,
         terminal=False,
     ),
     Column(
@@ -176,7 +182,7 @@ def by_budget_headline(board: "Board") -> str:
 
 
 def _track(board: "Board") -> str:
-    return f"{board.title}: track {board.track} ({TRACKS[board.track]})"
+    return f"{board.title}: track {board.track} ({TRACKS[board.track][0]})"
 
 
 def _trials(board: "Board") -> str:

@@ -72,7 +72,7 @@ def race(arguments: Arguments) -> str:
     names = list(dict.fromkeys([arguments.against, *arguments.controllers]))
     items = _items(arguments)
     config = {
-        "sources": provenance.code_hash(),
+        "code": provenance.code_hash(),
         "suite": arguments.suite,
         "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],

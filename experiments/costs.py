@@ -2,7 +2,8 @@
 
 Work is what its runs take one after the other: planner runs, at what one is measured to take here on each map, and what
 agents think meanwhile, as a ledger says that was timed. Runs of a board wait for nobody, so that many cores take the
-work divided by their number, but no less than the longest run; training comes first, and takes what it takes.
+work divided by their number, but no less than the longest run with ``--unit 1``, or than the longest of units of more
+runs, which one worker plays; training comes first, and takes what it takes.
 """
 
 import json
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from agents.fitting import trials_needed
-from antgym.console import progress
+from antgym.console import PATIENCE, progress
 from antgym.envs.scenarios import find_items
 from antgym.errors import LedgerError
 from antgym.maps.suites import SuiteItem
@@ -34,7 +35,6 @@ CORES = (1, 100, 10_000)
 MEASURED = 8  # settings that a run is timed with on every map
 PASSES = 2  # of which the quicker counts: whatever else the machine does only makes it slower
 TRAIN_MAPS = 16  # on which a run of training is timed
-PATIENCE = 2.0  # seconds before a bar is shown
 
 Clock = Mapping[tuple[str, int], float]
 """Seconds of a planner run, by the name of its map and its iterations."""
@@ -138,19 +138,27 @@ def _seconds(tuned: TuningProblem, units: NDArray[np.float64]) -> float:
     return time.process_time() - begun
 
 
-def trainings(names: Sequence[str], preset: Preset, each: float) -> list[Training]:
-    """Return what the files of some agents take, if none is there yet; ``each`` are seconds of a planner run.
+def trainings(names: Sequence[str], preset: Preset, rules: int, each: float) -> list[Training]:
+    """Return what the files of some agents take, if none is there yet.
 
     What learning itself takes, of a policy or of nets, is not in it: it is no planner run.
+
+    Args:
+        names: of the agents.
+        preset: how much they are trained.
+        rules: number of rules that plan the train maps; a race by rules adds a map for each that its maps lack.
+        each: seconds of a planner run.
     """
     runs = {
         "static.json": preset.race_maps * preset.race_settings,
-        "static_by_rules.json": preset.race_maps * preset.race_settings,
+        "static_by_rules.json": (preset.race_maps + rules - 1) * preset.race_settings,
         "graph.json": preset.sources * trials_needed(preset.sources, preset.source_search, REPEATS),
         "experience.json": preset.experience_trials,
         "policy.json": preset.policy_evaluations,
     }
-    needed = files_needed(names)
+    needed = set(files_needed(names))
+    if "neural.json" in needed:
+        needed.add("experience.json")  # which nets are fitted to
     return [Training(name, count, count * each) for name, count in runs.items() if name in needed]
 
 
@@ -160,9 +168,11 @@ def estimate(arguments: leaderboard.Arguments, timed: Path | None) -> str:
     rounds = leaderboard.untrained_board(arguments, plan)
     items = {(item.name, item.iterations): item for played in rounds for item in played.items}
     clock = time_runs(items.values())
-    train = time_runs(find_items(arguments.suite, "train")[:TRAIN_MAPS])
+    taught_on = find_items(arguments.suite, "train")
+    train = time_runs(taught_on[:TRAIN_MAPS])
     found = shares(rounds, plan.preset.fresh, clock, read_thought(timed) if timed else {})
-    taught = trainings(leaderboard.names_of(arguments), plan.preset, float(np.mean(list(train.values()))))
+    each, rules = float(np.mean(list(train.values()))), len(set(taught_on.rules))
+    taught = trainings(leaderboard.names_of(arguments), plan.preset, rules, each)
     parts = [
         f"A planner run takes {1000 * np.mean(list(clock.values())):.2f} ms of one core on these maps "
         f"({1000 * min(clock.values()):.2f} to {1000 * max(clock.values()):.2f}), "
@@ -170,6 +180,7 @@ def estimate(arguments: leaderboard.Arguments, timed: Path | None) -> str:
         _work(found),
         _training(taught),
         _hours(sum(one.planner + one.thinking for one in found), max(one.longest for one in found), taught),
+        "A board on many cores takes as long as its longest run with --unit 1, with larger units as the longest unit.",
     ]
     return "\n\n".join(parts)
 

@@ -28,7 +28,7 @@ from experiments.board import Track
 from experiments.contest import Entrant, enter, foreign_files
 from experiments.presets import PRESETS, Preset
 from experiments.steering import policy_hashes, steerable
-from experiments.tracks import ALWAYS, Job, Round
+from experiments.tracks import ALWAYS, Round
 
 PROGRAM = "python -m experiments.leaderboard"
 AGENTS = (
@@ -193,11 +193,6 @@ def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) 
     return rounds
 
 
-def board_jobs(plan: Plan, rounds: Sequence[Round]) -> list[Job]:  # noqa: ARG001 - the plan is in the rounds
-    """Return every run of a board, those that can be played together next to each other."""
-    return tracks.jobs(rounds)
-
-
 def pins(arguments: Arguments) -> dict[str, str]:
     """Return the hashes of the files that the entrants of a board are, by name."""
     files = provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
@@ -210,7 +205,7 @@ def run_board(arguments: Arguments) -> Path:
     with Ledger(arguments.out, plan.config, plan.versions, provenance.facts()) as ledger:
         rounds = enter_board(arguments, plan)
         ledger.pin(pins(arguments))
-        todo = board_jobs(plan, rounds)
+        todo = tracks.jobs(rounds)
         title = f"{arguments.preset} board: {len(rounds)} rounds, {len(plan.items)} maps"
         with progress(title, len(todo)) as advance:
             tracks.play(todo, ledger, plan.preset.fresh, advance)

@@ -22,6 +22,7 @@ import tyro
 from antgym.console import main, parse, write_whole
 from antgym.errors import AntgymError, ParameterError
 from antgym.tuning.ledger import read_runs
+from experiments.columns import NONE
 from experiments.statistics import Values, paired_difference
 from experiments.statistics.bootstrap import as_matrix
 from experiments.statistics.replication import Components, components, maps_needed, resolved
@@ -32,7 +33,6 @@ KEYS = (
     re.compile(r"(?P<agent>[^/]+)/(?P<map>\D.*)/(?P<seed>\d+)"),
 )
 """How ``contest.Job`` and ``control.Job``, which has no budget, name a run."""
-NONE = "–"
 
 
 @dataclass(frozen=True)

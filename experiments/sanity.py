@@ -130,7 +130,7 @@ def compare(arguments: Arguments) -> str:
     names = [name for name in asked if name.partition(":")[0] in agents.CATALOGUE]
     policies = [Path(name) for name in asked if name not in names]
     config = {
-        "sources": provenance.code_hash(Path(__file__)),
+        "code": provenance.code_hash(Path(__file__)),
         **{name: getattr(arguments, name) for name in ("suite", "split", "fresh")},
         "maps": [item.scenario.digest[:16] for item in items],
     }

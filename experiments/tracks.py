@@ -6,7 +6,7 @@ once, for a round of B is one of A with fewer competitors.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import agents
 from antgym.errors import ParameterError
@@ -15,7 +15,7 @@ from antgym.tuning.ledger import Ledger
 from experiments import contest, steering
 from experiments.board import SBS, Track
 
-TRACKS: tuple[Track, ...] = ("A", "B", "C")
+TRACKS: tuple[Track, ...] = get_args(Track)
 BUDGETS: dict[Track, tuple[int, ...]] = {"A": (1, 5, 20, 100), "B": (0, 1, 5, 20)}
 """Trials per map; each round below the preset's budget is played, and in A one at that budget."""
 SBS_BY_RULE = "best_static_by_rules"

@@ -212,9 +212,29 @@ def _walk(
     advance: Advance,
 ) -> Standing:
     """Train a leg and validate; return how the training stands then."""
-    begun, native = time.perf_counter(), model.get_env().unwrapped.native
-    spent, judged = native.planner_runs, validation.runs
-    shown = spent
+    begun, judged = time.perf_counter(), validation.runs
+    evaluations = before.evaluations + _learn(model, goal, leg, table, arguments, advance)
+    gap = validation.gap(model)
+    model.logger.record("validation/gap", gap)
+    model.logger.dump(model.num_timesteps)
+    better = before.lowest is None or gap < before.lowest
+    return replace(
+        before,
+        leg=leg,
+        evaluations=evaluations,
+        validation_runs=before.validation_runs + validation.runs - judged,
+        seconds=round(before.seconds + time.perf_counter() - begun, 1),
+        history=[*before.history, [evaluations, round(gap, 6)]],
+        best=leg if better else before.best,
+    )
+
+
+def _learn(
+    model: Any, goal: Goal, leg: int, table: Replayed | None, arguments: Arguments, advance: Advance
+) -> int:
+    """Let a model learn a leg, from trials of a table first where there is one; return the planner runs it took."""
+    native = model.get_env().unwrapped.native
+    begun = shown = native.planner_runs
 
     def after_step(*_: Any) -> bool:
         nonlocal shown
@@ -234,20 +254,7 @@ def _walk(
         table.learn(model, leg, LEGS)
     if goal.leg > model.num_timesteps:
         model.learn(goal.leg - model.num_timesteps, after_step, reset_num_timesteps=False, tb_log_name=name)
-    gap = validation.gap(model)
-    model.logger.record("validation/gap", gap)
-    model.logger.dump(model.num_timesteps)
-    evaluations = before.evaluations + native.planner_runs - spent + charged
-    better = before.lowest is None or gap < before.lowest
-    return replace(
-        before,
-        leg=leg,
-        evaluations=evaluations,
-        validation_runs=before.validation_runs + validation.runs - judged,
-        seconds=round(before.seconds + time.perf_counter() - begun, 1),
-        history=[*before.history, [evaluations, round(gap, 6)]],
-        best=leg if better else before.best,
-    )
+    return int(native.planner_runs - begun) + charged
 
 
 def _unit(model: Any, episode: int) -> int:

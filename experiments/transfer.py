@@ -110,7 +110,7 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
             name: getattr(arguments, name)
             for name in ("suite", "split", "seeds", "budgets", "fresh", "agents")
         },
-        "sources": provenance.code_hash(),
+        "code": provenance.code_hash(),
         "maps": [item.scenario.digest[:16] for item in items],
     }
     versions = provenance.versions(arguments.agents)

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 import agents
 import antgym
 from antgym import plan_file
-from antgym.cli import MapFile, PlanFile
-from antgym.console import main, parse, progress
+from antgym.commands import MapFile, PlanFile
+from antgym.console import PATIENCE, main, parse, progress
 from antgym.errors import BudgetError, ParameterError
 from antgym.kernels import sources_hash
 from antgym.planners.colony import plan_many
@@ -30,7 +30,6 @@ from experiments.artefacts import TRAINED, derived_seed, trained_argument
 from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
-PATIENCE = 2.0  # seconds without a bar
 PART = 8  # trials in one planner call: at most so many are lost when a run is killed
 PROG = "python -m experiments.tune"
 

@@ -90,7 +90,7 @@ def play_unit(board: leaderboard.Arguments, unit: Unit, traces: bool) -> tuple[U
 def board_runs(board: leaderboard.Arguments) -> tuple[leaderboard.Plan, list[tracks.Job]]:
     """Return what a board asks for and its runs, agents trained now where they are not yet; made once a process."""
     plan = leaderboard.plan_board(board)
-    return plan, leaderboard.board_jobs(plan, leaderboard.enter_board(board, plan))
+    return plan, tracks.jobs(leaderboard.enter_board(board, plan))
 
 
 @lru_cache(maxsize=1)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 import antgym
 from agents.steering import PolicyController
 from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
-from antgym.console import main, parse, progress
+from antgym.console import PATIENCE, main, parse, progress
 from antgym.envs.control import BLOCKS
 from antgym.errors import AgentError, ParameterError, nearest
 from antgym.maps.recipes import SUITES
@@ -35,10 +35,9 @@ from experiments.columns import percent
 from experiments.steering import steerable
 
 Floats = NDArray[np.float64]
-FRESH = 16  # runs that judge a recommendation, as on boards
+RUNS = 16  # runs that judge a recommendation, as on boards
 CONFIDENCE = 0.99  # of the interval: an honest claim fails once in a hundred, not once in twenty
 DIGIT = 1e-4  # claims are rounded
-PATIENCE = 2.0  # seconds without a bar
 PROG = "python -m experiments.verify"
 
 
@@ -111,8 +110,8 @@ def _runs(folder: Path, submission: Submission) -> Run:
         return lambda item, this: _steered(controller, this)
     agent, budget = make_agent(str(folder)), submission.trials if submission.kind == "policy" else 0
     if isinstance(agent, TableAgent):
-        return lambda item, this: this.fresh(_recommended(agent.on(item.name), this, 0), FRESH).lengths
-    return lambda item, this: this.fresh(_recommended(agent, this, budget), FRESH).lengths
+        return lambda item, this: this.fresh(_recommended(agent.on(item.name), this, 0), RUNS).lengths
+    return lambda item, this: this.fresh(_recommended(agent, this, budget), RUNS).lengths
 
 
 def _score(run: Run, items: Sequence[SuiteItem], salt: int, seeds: int) -> Score:

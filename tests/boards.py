@@ -96,7 +96,7 @@ def small_site(*names):
     picture = Picture(
         "one", picture.heights, picture.free, picture.cell, paths, _of(picture, paths), picture.optimum
     )
-    kinds = [("A", 1), ("A", 20), ("B", 0), ("B", 5), ("C", 0)]
+    kinds = [("A", 1), ("A", 20), ("B", 0), ("B", 5), ("C", 1)]
     return [
         board(
             *(row(name, np.sort(rng.uniform(0.02, 0.3 / (i + 1), (3, 2)))) for i, name in enumerate(names)),

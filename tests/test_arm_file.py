@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antgym import arm_file, cli
+from antgym import arm_file, cli, commands
 from antgym.errors import MapError
 from antgym.planners.smoothing import smooth
 from antgym.robots import find_arm
@@ -222,6 +222,6 @@ def test_smoothing_is_the_library_s(way):
     record = json.loads(way.with_name("way.json").read_text())
     from antgym.plan_file import find
 
-    found = find(cli.PlanFile(Path(HILLS), (0, 10, 2), (20, 10, 2), beta=0.2, rise=10, iterations=20))
+    found = find(commands.PlanFile(Path(HILLS), (0, 10, 2), (20, 10, 2), beta=0.2, rise=10, iterations=20))
     again = smooth(found.plan.path, found.scenario)
     assert again.length == record["smoothed"]["length"]

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antgym import cli, console, listing, plan_file
+from antgym import cli, commands, console, listing, plan_file
 from antgym.envs.cards import load_card, summary
 from antgym.envs.catalogue import CATALOGUE
 from antgym.errors import AntgymError
@@ -168,7 +168,7 @@ def test_plan_writes_what_it_prints(tmp_path):
 
 def test_plan_is_the_library_s_plan():
     found = plan_file.find(
-        cli.PlanFile(Path(HILLS), (0, 10, 2), (20, 10, 2), alpha=1, beta=0.2, rho=0.9, Q=300)
+        commands.PlanFile(Path(HILLS), (0, 10, 2), (20, 10, 2), alpha=1, beta=0.2, rho=0.9, Q=300)
     )
     field_plan = plan(found.scenario, (1.0, 0.2, 0.9, 300.0), ants=20, iterations=100, seed=0)
     assert found.plan.path.tolist() == field_plan.path.tolist()
@@ -188,13 +188,15 @@ def test_a_flat_colony_plans_one_level_of_the_ground(motion, tmp_path, capsys):
 
 
 def test_what_is_left_out_is_the_published_default():
-    found = plan_file.find(cli.PlanFile(Path(HILLS), (0, 10), (20, 10), ants=1, iterations=1))
+    found = plan_file.find(commands.PlanFile(Path(HILLS), (0, 10), (20, 10), ants=1, iterations=1))
     default = PAPERS["liu2020"].ranges.space(found.scenario.straight_line).default
     assert list(found.setting) == default.tolist()
 
 
 def test_two_numbers_stand_on_the_surface():
-    scenario = plan_file.find(cli.PlanFile(Path(HILLS), (0, 10), (20, 10), ants=1, iterations=1)).scenario
+    scenario = plan_file.find(
+        commands.PlanFile(Path(HILLS), (0, 10), (20, 10), ants=1, iterations=1)
+    ).scenario
     for x, y, z in (scenario.start, scenario.goal):
         assert scenario.world.free[x, y, z]
         assert z == 0 or not scenario.world.free[x, y, z - 1]
@@ -219,7 +221,9 @@ def test_where_no_ant_arrives_a_hint_says_what_to_try(capsys, tmp_path):
 
 def test_a_picture_needs_no_path(tmp_path):
     pytest.importorskip("matplotlib")
-    found = plan_file.find(cli.PlanFile(Path(HILLS), (0, 10, 2), (20, 10, 2), rise=10, ants=2, iterations=2))
+    found = plan_file.find(
+        commands.PlanFile(Path(HILLS), (0, 10, 2), (20, 10, 2), rise=10, ants=2, iterations=2)
+    )
     assert not found.plan.solved
     assert plan_file.picture(found).startswith(b"\x89PNG")
 
@@ -257,15 +261,15 @@ def test_a_yaml_map_is_planned_in_metres_and_written_in_metres(room, tmp_path, c
 
 
 def test_cells_and_metres_mean_the_same_places(room):
-    by_cell = plan_file.read(cli.MapFile(room, (0, 0), (19, 0)))
-    by_metre = plan_file.read(cli.MapFile(room, (-4.75, -2.75), (4.7, -2.6), unit="map"))
+    by_cell = plan_file.read(commands.MapFile(room, (0, 0), (19, 0)))
+    by_metre = plan_file.read(commands.MapFile(room, (-4.75, -2.75), (4.7, -2.6), unit="map"))
     assert by_cell.scenario.digest == by_metre.scenario.digest
 
 
 def test_a_robot_s_radius_and_convex_obstacles_change_the_world(room, capsys):
-    wide = plan_file.read(cli.MapFile(room, (0, 0), (19, 0), radius=0.6)).scenario.world
+    wide = plan_file.read(commands.MapFile(room, (0, 0), (19, 0), radius=0.6)).scenario.world
     assert wide.free[8:13, 0].tolist() == [[1], [0], [0], [0], [1]]
-    cup = plan_file.read(cli.MapFile(room, (0, 0), (19, 0), convex=True))
+    cup = plan_file.read(commands.MapFile(room, (0, 0), (19, 0), convex=True))
     assert cup.filled == (cup.scenario.world, 0, 0)
     ends = ("--start", "0,0", "--goal", "19,0")
     assert cli.run(["plan", str(room), *ends, "--convex", "--iterations", "20", "--beta", "5"]) in (0, 1)
@@ -307,7 +311,7 @@ def test_a_map_becomes_other_files(room, tmp_path):
     rows = read_scenarios(tmp_path / "b.map.scen")
     assert (rows[0].start, rows[0].goal) == ((0, 0), (19, 0))
     assert rows[0].length == pytest.approx(
-        2 * plan_file.read(cli.MapFile(room, (0, 0), (19, 0))).scenario.optimum
+        2 * plan_file.read(commands.MapFile(room, (0, 0), (19, 0))).scenario.optimum
     )
     worlds = [read_map(tmp_path / name).world for name in ("b.map", "b.yaml", "b.3dmap")]
     assert len({world.bits.tobytes() for world in worlds}) == 1

@@ -2,12 +2,14 @@
 
 import csv
 import json
+import re
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from antgym import GridWorld, Motion, Scenario, cli, fleet_pictures, plan_fleet, write_map
+from antgym.envs.fleet_pictures import COLOURS
 from antgym.errors import MissingExtraError, ParameterError, ScenarioError
 from antgym.planners.timed import TimedPath, nearest_approach
 
@@ -101,6 +103,12 @@ BAD = {
 def test_what_cannot_be_used_is_said(floor, arguments, kind, words):
     with pytest.raises(kind, match=words):
         run(floor, *arguments)
+
+
+def test_robots_have_the_colours_that_environments_give_them(floor, tmp_path):
+    run(floor, *ENDS, *FEW, "--apart", 1, "--no-picture", "--out", tmp_path / "way")
+    found = re.findall(r'stroke="#(\w{6})" stroke-width="[^"]*" opacity', (tmp_path / "way.html").read_text())
+    assert [list(bytes.fromhex(colour)) for colour in found] == np.round(255 * COLOURS[:2]).tolist()
 
 
 def test_pictures_are_of_solved_plans_and_some_frames(monkeypatch):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antgym import cli, plan_scene
+from antgym import cli, commands, plan_scene
 from antgym.errors import AntgymError
 from antgym.maps.discs import path_length
 from antgym.planners.bee_rules import BEE_PAPERS
@@ -36,7 +36,7 @@ def test_a_scene_is_planned_and_everything_is_written(tmp_path, capsys):
 
 @pytest.mark.parametrize("rules", ["wu2018", "abc_standard"])
 def test_it_is_the_library_s_plan_at_the_published_default(rules):
-    found = plan_scene.find(cli.PlanFile(Path(POSTS), rules=rules, ants=12, iterations=30, seed=5))
+    found = plan_scene.find(commands.PlanFile(Path(POSTS), rules=rules, ants=12, iterations=30, seed=5))
     setting = BEE_PAPERS[rules].space(12, 10.0).default
     again = plan(found.scenario, setting, rules=rules, ants=12, iterations=30, seed=5)
     assert list(found.setting.values()) == setting.tolist()
@@ -70,14 +70,14 @@ def test_where_no_bee_arrives_a_hint_says_what_to_try_and_no_way_is_written(tmp_
 
 def test_a_picture_needs_no_way():
     pytest.importorskip("matplotlib")
-    found = plan_scene.find(cli.PlanFile(Path(POSTS), rules="abc_standard", ants=4, iterations=1))
+    found = plan_scene.find(commands.PlanFile(Path(POSTS), rules="abc_standard", ants=4, iterations=1))
     assert not found.plan.solved
     assert plan_scene.picture(found).startswith(b"\x89PNG")
 
 
 def test_scenes_of_the_benchmarks_are_planned(shared_data):
     for path in sorted((shared_data / "circles").glob("barn_*.json")):
-        found = plan_scene.find(cli.PlanFile(path, rules="wu2018", ants=40, iterations=300))
+        found = plan_scene.find(commands.PlanFile(path, rules="wu2018", ants=40, iterations=300))
         assert 0 <= found.gap < 0.2
 
 

@@ -1,4 +1,8 @@
-"""Pictures of fleets: a strip of frames from above, robots as discs of their size on their way; numpy only."""
+"""What environments of fleets render: a strip of frames from above, robots as discs of their size on their way.
+
+By numpy only, since rendering must need no extra; a strip with axes' titles and an animated page, for readers, are
+:mod:`antgym.fleet_pictures`.
+"""
 
 from itertools import product
 
@@ -13,9 +17,9 @@ from antgym.planners.timed import TimedPath
 FRAMES = 4
 SIDE = 240  # pixels of the longer edge of a frame
 MARGIN = 4  # pixels between two frames
-COLOURS = np.array(
-    [(0.85, 0.15, 0.10), (0.10, 0.40, 0.75), (0.45, 0.20, 0.60), (0.10, 0.55, 0.45), (0.75, 0.45, 0.05)]
-)
+_HEX = ("d0431a", "1b66b8", "7a3f9d", "13806a", "b8741a", "8c2f4f", "5a6b1a", "3b4a54")
+COLOURS = np.array([list(bytes.fromhex(colour)) for colour in _HEX]) / 255
+"""(8, 3) of robots, in [0, 1]; with more robots, from the first again."""
 
 
 def canvas(fleet: Fleet, run: FleetRun | None) -> NDArray[np.str_]:

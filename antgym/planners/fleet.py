@@ -7,7 +7,7 @@ calls.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -186,15 +186,22 @@ def plan_fleet(
         ScenarioError: if the robots make no fleet, or one has no path.
         ParameterError: if another argument cannot be used.
     """
-    if not isinstance(robots, Fleet):
-        if apart is None:
-            raise ParameterError("apart is missing: how near two robots' centres may come, in world units")
-        robots = Fleet(robots, apart, speeds)
-    _ = robots.optimum  # where a robot has no path, no ant need try
+    fleet = _fleet_of(robots, apart, speeds)
+    _ = fleet.optimum  # where a robot has no path, no ant need try
     values = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
     return plan_fleets(
-        [robots], values, rules=rules, ants=ants, iterations=iterations, seeds=[seed], restarts=restarts
+        [fleet], values, rules=rules, ants=ants, iterations=iterations, seeds=[seed], restarts=restarts
     ).plan(0)
+
+
+def _fleet_of(
+    robots: Fleet | Sequence[Scenario], apart: float | None, speeds: float | Sequence[float]
+) -> Fleet:
+    if isinstance(robots, Fleet):
+        return robots
+    if apart is None:
+        raise ParameterError("apart is missing: how near two robots' centres may come, in world units")
+    return Fleet(robots, apart, speeds)
 
 
 def plan_fleets(
@@ -228,26 +235,44 @@ def plan_fleets(
     count, naturals = len(fleets), check_parameters(parameters)
     if len(naturals) != count:
         raise ParameterError(f"{len(naturals)} parameter sets for {count} fleets")
-    each = each_rules(rules, count)
-    ants_each, iterations_each = effort("ants", ants, count), effort("iterations", iterations, count)
+    how = _How(
+        naturals,
+        each_rules(rules, count),
+        effort("ants", ants, count),
+        effort("iterations", iterations, count),
+    )
     keys = keys_of(seeds, count)
     runs = [_Run(fleet, restarts, int(key)) for fleet, key in zip(fleets, keys, strict=True)]
     while waiting := [i for i, run in enumerate(runs) if run.wanted]:
-        sizes = [len(runs[i].wanted) for i in waiting]
-        of = np.repeat(waiting, sizes)
-        plans = plan_many(
-            [scenario for i in waiting for scenario in runs[i].wanted],
-            naturals[of],
-            rules=[each[i] for i in of.tolist()],
-            ants=ants_each[of].tolist(),
-            iterations=iterations_each[of].tolist(),
-            seeds=np.concatenate([runs[i].seeds() for i in waiting]),
-        )
-        for i, size, end in zip(waiting, sizes, accumulate(sizes), strict=True):
-            runs[i].answer(plans[end - size : end])
+        _plan_wanted(runs, waiting, how)
     found = tuple(run.plan() for run in runs)
     lengths, moves = np.array([plan.length for plan in found]), np.array([plan.moves for plan in found])
     return FleetPlans(lengths.astype(np.float64), moves.astype(np.int64), keys, found)
+
+
+class _How(NamedTuple):
+    """How each of B fleets is planned: (B, 4) natural values, and rules, ants and iterations by fleet."""
+
+    naturals: Floats
+    rules: Sequence[AnyRules]
+    ants: NDArray[np.int64]
+    iterations: NDArray[np.int64]
+
+
+def _plan_wanted(runs: Sequence["_Run"], waiting: Sequence[int], how: _How) -> None:
+    """Plan in one call what all fleets that wait want planned, and answer each."""
+    sizes = [len(runs[i].wanted) for i in waiting]
+    of = np.repeat(waiting, sizes)
+    plans = plan_many(
+        [scenario for i in waiting for scenario in runs[i].wanted],
+        how.naturals[of],
+        rules=[how.rules[i] for i in of.tolist()],
+        ants=how.ants[of].tolist(),
+        iterations=how.iterations[of].tolist(),
+        seeds=np.concatenate([runs[i].seeds() for i in waiting]),
+    )
+    for i, size, end in zip(waiting, sizes, accumulate(sizes), strict=True):
+        runs[i].answer(plans[end - size : end])
 
 
 class _Run:

@@ -1,1 +1,1 @@
-"""The leaderboard's page: ``page.write_page`` makes one self-contained HTML file of a board."""
+"""The leaderboard's page: ``page.write_site`` makes a folder of boards that opens from a disk."""

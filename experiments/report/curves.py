@@ -1,4 +1,4 @@
-"""The numbers that a page's script draws as curves: gaps over budgets by track, and performance profiles by board."""
+"""The numbers that a page's script draws: gaps and targets over budgets by track, performance profiles by board."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from experiments.board import EXACT, Board, Row
 from experiments.report.hues import Hue
-from experiments.statistics import performance_profile
+from experiments.statistics import performance_profile, targets_reached
 
 POINTS = 120
 LOWEST = 1e-3  # gap at which a profile begins at the latest; its axis is logarithmic
@@ -22,20 +22,48 @@ def anytime(boards: Sequence[Board], hues: dict[str, Hue]) -> list[dict[str, Any
         boards: of one track.
         hues: of their rows.
     """
+    return [_gaps(hues[name].number, rows) for name, rows in _by_name(boards).items()]
+
+
+def reached(boards: Sequence[Board], hues: dict[str, Hue]) -> list[dict[str, Any]]:
+    """Return one curve a name: budgets, and the mean share of all (map, target) within reach, with its interval's ends.
+
+    Args:
+        boards: of one track, on the same maps, two or more.
+        hues: of their rows.
+    """
+    return [_shares_reached(hues[name].number, rows) for name, rows in _by_name(boards).items()]
+
+
+def _by_name(boards: Sequence[Board]) -> dict[str, dict[int, Row]]:
+    """Return the rows of all boards but the exact one's, by name and then by budget, smallest first."""
     boards = sorted(boards, key=lambda board: board.budget)
     names = dict.fromkeys(row.name for board in boards for row in board.ranked if row.name != EXACT)
-    return [_curve(name, boards, hues[name]) for name in names]
-
-
-def _curve(name: str, boards: Sequence[Board], hue: Hue) -> dict[str, Any]:
-    found = [(board.budget, row) for board in boards for row in board.rows if row.name == name]
-    ends = [row.interval or (row.mean, row.mean) for _, row in found]
     return {
-        "agent": hue.number,
-        "budgets": [budget for budget, _ in found],
-        "means": _short([row.mean for _, row in found]),
+        name: {board.budget: row for board in boards for row in board.rows if row.name == name}
+        for name in names
+    }
+
+
+def _gaps(agent: int, rows: dict[int, Row]) -> dict[str, Any]:
+    ends = [row.interval or (row.mean, row.mean) for row in rows.values()]
+    return {
+        "agent": agent,
+        "budgets": list(rows),
+        "means": _short([row.mean for row in rows.values()]),
         "lows": _short([low for low, _ in ends]),
         "highs": _short([high for _, high in ends]),
+    }
+
+
+def _shares_reached(agent: int, rows: dict[int, Row]) -> dict[str, Any]:
+    band = targets_reached(np.stack([row.gaps for row in rows.values()], axis=-1))
+    return {
+        "agent": agent,
+        "budgets": list(rows),
+        "means": _short(band.mean),
+        "lows": _short(band.low),
+        "highs": _short(band.high),
     }
 
 

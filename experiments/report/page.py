@@ -17,15 +17,16 @@ from antgym.console import progress, write_whole
 from antgym.errors import AntgymError, MissingExtraError
 from antgym.tuning.kept import KeptRun, read_runs
 from experiments.board import EXACT, SBS, VBS, Board, failures
-from experiments.columns import COLUMNS, TIE, size
+from experiments.columns import COLUMNS, TIE, TRACKS, size
 from experiments.report import marks
 from experiments.report.cards import agent_card, definition, flat
-from experiments.report.curves import anytime, profile
+from experiments.report.curves import anytime, profile, reached
 from experiments.report.hues import Hue, hues
 from experiments.report.importance import importance
 from experiments.report.maps import map_data, world_of
-from experiments.report.titles import TRACKS, board_id, board_label, choice, result, site_title
+from experiments.report.titles import board_id, board_label, choice, result, site_title
 from experiments.report.versus import versus
+from experiments.statistics import TARGETS
 
 HERE = Path(__file__).parent
 SCRIPTS = tuple(f"scripts/{name}.js" for name in ("page", "sorting", "curves", "scene", "maps"))
@@ -139,6 +140,7 @@ def _page(boards: Sequence[Board], looks: dict[str, Hue], data: str, advance: Ca
         agents="\n".join(agent_card(name, boards, looks[name], labels) for name in _named(boards)),
         meanings="\n".join(definition(column.heading, column.meaning) for column in COLUMNS),
         making="\n".join(_making(board) for board in _made_apart(boards)),
+        targets=", ".join(f"{100 * target:g}" for target in TARGETS),
         plotly=PLOTLY,
         scripts="\n".join(f'<script src="{name}" defer></script>' for name in SCRIPTS),
         site=_json({"data": data, **_site(boards, looks)}),
@@ -221,7 +223,10 @@ def _facts(record: Mapping[str, Any]) -> str:
 
 def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
     """Return what the scripts know of the site: names and hues, the boards, and the numbers of the curves."""
-    tracks = dict.fromkeys(board.track for board in boards)
+    tracks = {
+        track: [board for board in boards if board.track == track]
+        for track in dict.fromkeys(board.track for board in boards)
+    }
     first = _first(boards)
     shown = [SBS, VBS, *[row.name for row in first.ranked if row.kind == "agent"][:AT_FIRST]]
     return {
@@ -247,7 +252,9 @@ def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
             }
             for board in boards
         },
-        "anytime": {
-            track: anytime([board for board in boards if board.track == track], looks) for track in tracks
+        "anytime": {track: anytime(played, looks) for track, played in tracks.items()},
+        "reached": {
+            track: reached(played, looks) if len(played[0].scenarios) > 1 else []
+            for track, played in tracks.items()
         },
     }

@@ -4,21 +4,13 @@ from collections.abc import Sequence
 from html import escape
 
 from experiments.board import Board
-from experiments.columns import percent, size
-
-TRACKS = {
-    "A": ("per map", "Tuned on each map by itself, whatever was learnt before."),
-    "B": ("after training", "Trained on other maps before; then no or a few trials on each new map."),
-    "C": ("control", "The parameters change on the way, within one run; no trial is paid."),
-}
+from experiments.columns import TRACKS, percent, size
 
 
 def site_title(boards: Sequence[Board]) -> str:
-    """Return what the titles of some boards share: all, or what stands before their colon."""
-    for shared in ({board.title for board in boards}, {board.title.partition(":")[0] for board in boards}):
-        if len(shared) == 1:
-            return shared.pop()
-    return "Leaderboards"
+    """Return the title that boards have in common."""
+    titles = {board.title for board in boards}
+    return titles.pop() if len(titles) == 1 else "Leaderboards"
 
 
 def board_id(board: Board) -> str:

@@ -54,6 +54,7 @@ def test_equal_agents_tie():
 def test_one_map_has_no_interval_and_tells_nobody_apart():
     shown = board(constant("a", 0.1, maps=1), constant("b", 0.9, maps=1))
     assert shown.rows[0].interval is None
+    assert shown.rows[0].interquartile_ends is None
     assert shown.places["b"].tied
     assert "[" not in to_markdown(shown).splitlines()[2]
 
@@ -64,6 +65,7 @@ def test_statistics_of_a_row():
     assert one.interquartile == pytest.approx(0.2)
     assert one.scenario_means == pytest.approx((0.05, 0.65))
     assert one.interval[0] < one.mean < one.interval[1]
+    assert one.interquartile_ends[0] < one.interquartile < one.interquartile_ends[1]
 
 
 def test_total_is_training_plus_deployment_on_every_map():
@@ -130,8 +132,8 @@ def test_markdown_by_eye():
         "| # | agent | mean gap % | IQM % | success % | closed % | P(better) % | trials per map | trials in total "
         "| tuner s | planner s | optimism |",
         f"| --: | :-- |{' --: |' * 10}",
-        "|  | *exact planner* | 0.0 [0.0–0.0] | 0.0 | 100 | – | – | 0 | 0 | 0.00 | 0.00 | – |",
-        "| 1 | a | 10.0 [10.0–10.0] | 10.0 | 100 | – | – | 3 | 12 | 0.00 | 0.00 | – |",
+        "|  | *exact planner* | 0.0 [0.0–0.0] | 0.0 [0.0–0.0] | 100 | – | – | 0 | 0 | 0.00 | 0.00 | – |",
+        "| 1 | a | 10.0 [10.0–10.0] | 10.0 [10.0–10.0] | 100 | – | – | 3 | 12 | 0.00 | 0.00 | – |",
     ]
 
 

@@ -17,6 +17,7 @@ from antgym.tuning.problem import TRIAL
 from antgym.tuning.run_features import CONTROL_FEATURES
 from experiments import contest, control, steering
 from experiments.control import Arguments, race
+from experiments.provenance import code_hash
 
 UNIT, NAMES = (0.6, 0.9, 0.4, 0.5), ("alpha", "beta", "rho", "Q")
 
@@ -45,6 +46,8 @@ def outcomes(arguments):
 def test_a_constant_walks_the_runs_of_one_shot(asked):
     arguments = asked()
     table = race(arguments)
+    manifest = json.loads((arguments.out / "manifest.json").read_text())
+    assert manifest["config"]["code"] == code_hash()  # under the name that boards have for it
     items = control._items(arguments)
     for line in map(json.loads, outcomes(arguments)):
         name, seed = line["run"].partition("/")[2].rsplit("/", 1)

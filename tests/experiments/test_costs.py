@@ -65,6 +65,14 @@ def test_a_dry_run_shows_every_number_of_cores_and_trains_nothing(tmp_path, monk
     assert not list(tmp_path.iterdir())
 
 
+def test_training_counts_what_other_files_are_made_of_and_maps_that_a_race_by_rules_adds():
+    preset = PRESETS["smoke"]
+    nets = costs.trainings(["neural_regression"], preset, 1, 0.5)
+    assert [(one.name, one.runs) for one in nets] == [("experience.json", 96)]
+    (race,) = costs.trainings(["best_static_by_rules"], preset, 3, 0.5)
+    assert race == ("static_by_rules.json", (8 + 2) * 8, 40.0)
+
+
 @pytest.mark.parametrize(
     ("seconds", "text"), [(0.0254, "25 ms"), (1.0, "1.0 s"), (90.0, "1.5 min"), (7200.0, "2.0 h")]
 )

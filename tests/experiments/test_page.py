@@ -108,7 +108,7 @@ def test_site_loads_its_own_files_and_nothing_else(site):
 
 def test_every_board_has_its_part_of_every_section_and_a_record_of_every_map(site):
     page = (site / "index.html").read_text(encoding="utf-8")
-    for one in ("A-1", "A-20", "B-0", "B-5", "C-0"):
+    for one in ("A-1", "A-20", "B-0", "B-5", "C-1"):
         assert page.count(f'class="panel" data-board="{one}"') == 4
         assert len(list(site.glob(f"data/*/{one}-[012].js"))) == 3
 
@@ -146,6 +146,17 @@ def test_curves_hold_every_budget_of_a_track_and_profiles_end_at_one(site):
         assert all(shares["shares"] == sorted(shares["shares"]) for shares in one["profile"]["rows"])
         assert all(shares["shares"][-1] == 1 for shares in one["profile"]["rows"])
     assert data["first"] == "A-20"
+
+
+def test_targets_reached_hold_every_budget_of_a_track_by_eye(tmp_path):
+    """Of 20, 10, 5, 2, 1 and 0.5 %, a gap of 30 % reaches none, 3 % three and 0 all; one map has no band."""
+    few, more = [[0.3, 0.3], [0.3, 0.03]], [[0.03, 0.03], [0.0, 0.0]]
+    page = written([board(row(gaps=few), budget=1), board(row(gaps=more), budget=20)], tmp_path / "two")
+    (curve,) = json.loads(re.search(r'id="site">(.*?)</script>', page)[1])["reached"]["A"]
+    assert (curve["budgets"], curve["means"]) == ([1, 20], [0.125, 0.75])
+    assert curve["lows"] < curve["means"] < curve["highs"]
+    assert "a gap of 20, 10, 5, 2, 1, 0.5&nbsp;%" in page
+    assert '"reached":{"A":[]}' in written([board(row(gaps=[[0.2]]))], tmp_path / "one")
 
 
 def test_a_failure_is_told_below_the_ranking(tmp_path):

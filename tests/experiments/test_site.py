@@ -106,9 +106,12 @@ def test_page_opens_from_a_disk_sorts_and_filters(page):
 def test_a_board_is_chosen_and_its_curves_are_drawn(page):
     page.locator("[data-choice=B-0]").click()
     expect(page.locator(".panel:visible h2")).to_have_text("Track B, after training: 0 trials on each map")
-    expect(page.locator("#anytime .xtick text")).to_have_text(["0", "5"])
-    page.locator("[data-choice=C-0]").click()
-    expect(page.locator("#anytime")).to_be_hidden()  # one budget makes no curve
+    for plot in ("anytime", "reached"):
+        expect(page.locator(f"#{plot} .xtick text")).to_have_text(["0", "5"])
+        expect(drawn(page, plot)).to_have_count(3)
+    page.locator("[data-choice=C-1]").click()
+    for plot in ("anytime", "reached"):
+        expect(page.locator(f"#{plot}")).to_be_hidden()  # one budget makes no curve
     expect(drawn(page, "profile")).to_have_count(3)
     pso = page.locator(".legend button", has_text="pso")
     pso.click()
@@ -140,7 +143,7 @@ def test_a_map_shows_paths_gaps_and_the_trials_behind_a_number(page):
 
 @pytest.mark.slow
 def test_a_run_that_was_steered_shows_its_settings_block_by_block(page):
-    go(page, "C-0/1/0/0")
+    go(page, "C-1/1/0/0")
     expect(page.locator("#run-title")).to_have_text("ga on two, seed 0")
     rows = page.locator(".trials tbody tr").all_inner_texts()
     assert [row.split("\t") for row in rows] == [
@@ -169,7 +172,7 @@ def test_everything_works_by_keyboard(page):
 @pytest.mark.slow
 def test_a_phone_scrolls_tables_and_not_the_page(page):
     page.set_viewport_size(PHONE)
-    for board, place in (("A-1", ""), ("B-5", ""), ("C-0", ""), ("A-20", "/0/0/0")):
+    for board, place in (("A-1", ""), ("B-5", ""), ("C-1", ""), ("A-20", "/0/0/0")):
         go(page, board + place)
         expect(page.locator(f"[data-choice={board}]")).to_have_attribute("aria-current", "true")
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]

@@ -50,10 +50,10 @@
   // a logarithm has no place for a budget of 0: it stands one step left of the smallest other one
   const placed = (budget, least) => (budget > 0 ? budget : least / 3);
 
-  function budgetTraces(curves, least) {
+  function budgetTraces(curves, least, what) {
     const drawn = curves.filter(isDrawn);
     const x = ({ budgets }) => budgets.map((budget) => placed(budget, least));
-    const hovertemplate = "%{fullData.name}: %{y:.1f} %<br>%{customdata} trials<extra></extra>";
+    const hovertemplate = `%{fullData.name}: %{y:.1f} %${what}<br>%{customdata} trials<extra></extra>`;
     const lines = drawn.map((curve) => {
       const { colour: hue, dash } = site.agents[curve.agent];
       const marker = { symbol: symbols[dash], size: 7, color: colour(hue) };
@@ -62,19 +62,19 @@
     return [...banded(drawn).map((curve) => band(curve, x(curve))), ...lines];
   }
 
-  function drawBudgets() {
+  function drawOverBudgets(plot, what, yaxis) {
     const { track } = site.boards[antgym.route.board];
-    const curves = site.anytime[track];
+    const curves = site[plot][track];
     const budgets = [...new Set(curves.flatMap((curve) => curve.budgets))].sort((a, b) => a - b);
-    const figure = document.getElementById("anytime-figure");
+    const figure = document.getElementById(`${plot}-figure`);
     figure.hidden = budgets.length < 2;
     if (figure.hidden) return;
     const least = budgets.find((budget) => budget > 0);
     const ticks = { tickvals: budgets.map((budget) => placed(budget, least)), ticktext: budgets.map(String) };
     figure.querySelector(".track-note").textContent =
       `Track ${track}.${budgets[0] === 0 ? " No trial stands at the left edge of the logarithmic axis." : ""}`;
-    const shape = layout(axis("trials on a new map", { type: "log", ...ticks }), axis("mean gap, %", { rangemode: "tozero" }));
-    Plotly.react("anytime", budgetTraces(curves, least), shape, options);
+    const shape = layout(axis("trials on a new map", { type: "log", ...ticks }), yaxis);
+    Plotly.react(plot, budgetTraces(curves, least, what), shape, options);
   }
 
   function drawProfile() {
@@ -98,7 +98,8 @@
     due = true;
     requestAnimationFrame(() => {
       due = false;
-      drawBudgets();
+      drawOverBudgets("anytime", "", axis("mean gap, %", { rangemode: "tozero" }));
+      drawOverBudgets("reached", " of targets", axis("targets reached, %", { range: [0, 102] }));
       drawProfile();
       document.getElementById("curves").hidden = document.querySelectorAll("#curves figure:not([hidden])").length === 0;
     });
