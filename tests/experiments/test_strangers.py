@@ -94,18 +94,26 @@ def test_a_board_goes_on_as_if_those_who_fail_were_not_there(together, trained, 
 
 
 def test_a_board_that_goes_on_ends_the_runs_of_who_answers_otherwise(tmp_path):
+    """Be it with other settings or with none, and nobody else's."""
     item = load_suite("mountain-v0", "test")[0]
-    playing = enter([f"{ZOO}:Whimsical", f"{ZOO}:Honest"], tmp_path, {})
+    playing = enter([f"{ZOO}:{kind}" for kind in ("Whimsical", "LosesHeart", "Honest")], tmp_path, {})
     todo = list(jobs(playing, [item], 1, [5]))
     with Ledger(tmp_path / "ledger", {}, {}) as ledger:
         for job in todo:  # as if it had been stopped after a batch
-            agent, session = copy(job.entrant.agent), Session(job.problem, 5, ledger.run(job.key))
-            agent.reset(session.task, seed=job.agent_seed)
-            session.evaluate(agent.ask())
+            session = Session(job.problem, 5, ledger.run(job.key))
+            session.evaluate(_first_batch(playing[2].agent, session, job.agent_seed))
         play(todo, ledger, 2, lambda _: None)
-        whimsical, honest = (ledger.run(job.key) for job in todo)
-    assert "zoo.py:Whimsical: ask() answered otherwise than before" in whimsical.outcome.failure
-    assert (len(whimsical.records), len(honest.records), honest.outcome.failure) == (3, 5, "")
+        *fickle, honest = (ledger.run(job.key) for job in todo)
+    for run, kind in zip(fickle, ("Whimsical", "LosesHeart"), strict=True):
+        assert f"zoo.py:{kind}: ask() answered otherwise than before" in run.outcome.failure
+        assert len(run.records) == 3
+    assert (len(honest.records), honest.outcome.failure) == (5, "")
+
+
+def _first_batch(agent, session, seed):
+    agent = copy(agent)
+    agent.reset(session.task, seed=seed)
+    return agent.ask()
 
 
 def test_nobody_is_charged_for_more_than_the_budget(together):
