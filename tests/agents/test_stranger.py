@@ -3,14 +3,16 @@
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import agents
+from agents.nursery import nursery, start
 from agents.stranger import harmless
-from antgym.errors import AgentError, ParameterError
+from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.tuning import Session, tune
 from antgym.tuning.problem import TuningProblem
 
@@ -188,6 +190,13 @@ def test_a_nursery_that_was_killed_is_replaced(play):
     assert play("Honest")[1].left == 0
 
 
+def test_a_nursery_that_cannot_be_started_is_said_to(monkeypatch):
+    nursery().close()
+    monkeypatch.setenv("PYTHONHOME", "/nowhere")  # where no Python finds its library
+    with pytest.raises(AntgymError, match="cannot be started"):
+        start(1 << 30)
+
+
 def test_an_agent_that_failed_is_not_asked_again(play, problem):
     agent = agents.make(f"{ZOO}:Honest")
     with pytest.raises(AgentError, match="reset it first"):
@@ -230,6 +239,17 @@ def test_what_a_stranger_says_is_one_harmless_line():
 
 def test_one_nursery_serves_all(play):
     assert play("Honest")[0]._child.nursery is play("Honest")[0]._child.nursery
+
+
+def test_threads_share_a_nursery_and_get_the_children_that_they_asked_for():
+    def begin_and_end(_):
+        child = nursery().start(1 << 30)
+        return child.pid, child.end().code
+
+    with ThreadPoolExecutor(4) as threads:
+        ended = list(threads.map(begin_and_end, range(100)))
+    assert len({pid for pid, _ in ended}) == 100
+    assert {code for _, code in ended} <= {-9, 0}  # killed, or gone by itself as its line was closed
 
 
 def test_settings_come_back_to_the_bit(play):
