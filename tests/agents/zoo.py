@@ -32,6 +32,13 @@ class Whimsical(Honest):
         return np.random.default_rng().random((3, len(self.task.space)))
 
 
+class Wavers(Honest):
+    """Recommends from nowhere."""
+
+    def recommend(self):
+        return np.random.default_rng().random(len(self.task.space))
+
+
 class LosesHeart(Honest):
     """Has been at work before, and now asks for nothing."""
 

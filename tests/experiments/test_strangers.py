@@ -14,10 +14,13 @@ import tyro
 pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
+from antgym.envs.control import BLOCKS
 from antgym.errors import LedgerError, ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning import Session
 from antgym.tuning.ledger import TRIALS, Ledger
+from antgym.tuning.session import steer_together
+from experiments import steering
 from experiments.artefacts import prepare
 from experiments.contest import enter, foreign_files, jobs, play
 from experiments.leaderboard import Arguments, run_board
@@ -114,6 +117,22 @@ def _first_batch(agent, session, seed):
     agent = copy(agent)
     agent.reset(session.task, seed=seed)
     return agent.ask()
+
+
+def test_a_run_within_that_goes_on_ends_where_its_stranger_recommends_otherwise(tmp_path):
+    items = steering.steerable(load_suite("mountain-v0", "test")[:1])
+    playing = enter([f"{ZOO}:{kind}" for kind in ("Wavers", "Honest")], tmp_path, {})
+    todo = [steering.Job(e, items[0], 0) for e in steering.controllers(playing, (), "", None)]
+    with Ledger(tmp_path / "ledger", {}, {}) as ledger:
+        for job in todo:  # as if it had been stopped between a trial and its outcome
+            session = Session(job.problem, 1, ledger.run(job.key))
+            session.open(BLOCKS)
+            for _ in range(BLOCKS):
+                steer_together([(session, [0.5] * 4)])
+        steering.play(todo, ledger, lambda _: None)
+        wavering, honest = (ledger.run(job.key).outcome for job in todo)
+    assert "zoo.py:Wavers: recommend() answered otherwise than before" in wavering.failure
+    assert (honest.failure, honest.unit) == ("", (0.5,) * 4 * BLOCKS)
 
 
 def test_nobody_is_charged_for_more_than_the_budget(together):
