@@ -4,7 +4,8 @@
 ``experiments.verify`` scores it again, and a board takes the folder's name where it takes an agent's.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,8 +18,10 @@ from agents.catalogue import RL_LIBRARIES, Card
 from agents.policy import PolicyAgent
 from agents.published import PolicyCard, is_number, is_whole, read_card
 from agents.search import ZeroShot
+from agents.steering import PolicyController
+from agents.stranger import harmless
 from agents.submitted_files import check_weights, is_file_name, read_object
-from antgym.errors import AgentError, ParameterError
+from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.tuning import Task, shown_rules
 
 if TYPE_CHECKING:
@@ -182,15 +185,48 @@ class TableAgent(ZeroShot):
         return np.array(unit)
 
 
+@contextmanager
+def _failing_alone(path: Path) -> Iterator[None]:
+    """Turn what a submitted policy stumbles over into AgentError; torch's own errors come of weights beyond reason."""
+    try:
+        yield
+    except AntgymError as error:
+        raise AgentError(str(error)) from None
+    except (ValueError, RuntimeError) as error:
+        raise AgentError(f"{path}: its network cannot work: {harmless(str(error))}") from None
+
+
+def _require_finite(path: Path, setting: Floats) -> Floats:
+    if not np.isfinite(setting).all():
+        raise AgentError(f"{path}: chose {setting.tolist()}; its weights lead to no finite numbers")
+    return setting
+
+
 class SubmittedPolicy(PolicyAgent):
-    """A submitted policy: on a task that it does not fit it fails, and stops nobody else."""
+    """A submitted policy: where it does not fit a task, or its network cannot work, it fails and stops nobody else."""
 
     def reset(self, task: Task, *, seed: int) -> None:
         """Look at the task; AgentError where the policy was trained on another observation or other parameters."""
-        try:
+        with _failing_alone(self.path):
             super().reset(task, seed=seed)
-        except ParameterError as error:
-            raise AgentError(str(error)) from None
+
+    def _pick(self) -> Floats:
+        with _failing_alone(self.path):
+            return _require_finite(self.path, super()._pick())
+
+
+class SubmittedController(PolicyController):
+    """A submitted policy that steers runs; it fails as :class:`SubmittedPolicy` does."""
+
+    def reset(self, task: Task, *, seed: int) -> None:
+        """Begin a run; AgentError where the policy sets other parameters."""
+        with _failing_alone(self.path):
+            super().reset(task, seed=seed)
+
+    def act(self, observation: NDArray[np.float32]) -> Floats:
+        """Return the setting for the next block; AgentError where the policy does not fit what it is shown."""
+        with _failing_alone(self.path):
+            return _require_finite(self.path, super().act(observation))
 
 
 def read_submission(folder: Path) -> Submission:

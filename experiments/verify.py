@@ -19,8 +19,15 @@ import tyro
 from numpy.typing import NDArray
 
 import antgym
-from agents.steering import PolicyController
-from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
+from agents.steering import Controller
+from agents.submission import (
+    MANIFEST,
+    Submission,
+    SubmittedController,
+    TableAgent,
+    make_agent,
+    read_submission,
+)
 from antgym.console import main, parse, progress
 from antgym.envs.control import BLOCKS
 from antgym.errors import AgentError, ParameterError, nearest
@@ -107,7 +114,7 @@ def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
 def _runs(folder: Path, submission: Submission) -> Run:
     """Return what runs a submission: fresh runs of what it recommends, or one that it steers."""
     if submission.track == "C":
-        controller = PolicyController(folder / submission.files[0])
+        controller = SubmittedController(folder / submission.files[0])
         return lambda item, this: _steered(controller, this)
     agent, budget = make_agent(str(folder)), submission.trials if submission.kind == "policy" else 0
     if isinstance(agent, TableAgent):
@@ -134,7 +141,7 @@ def _recommended(agent: Agent, this: TuningProblem, budget: int) -> Floats:
     return this.space.check(agent.recommend())[0]
 
 
-def _steered(controller: PolicyController, this: TuningProblem) -> Floats:
+def _steered(controller: Controller, this: TuningProblem) -> Floats:
     session = Session(this, 1)
     trial = session.open(BLOCKS)
     controller.reset(session.task, seed=derived_seed("verify", this.seed))

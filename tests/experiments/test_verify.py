@@ -13,10 +13,12 @@ import pytest
 import agents
 from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.maps.suites import load_suite
+from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.run_features import CONTROL_FEATURES
 from experiments.artefacts import problem
 from experiments.verify import Arguments, interval, verify
 
+TASK, CONTROL = len(TASK_FEATURES), len(CONTROL_FEATURES)
 EXAMPLE = Path(__file__).parents[2] / "docs" / "example-submission"
 
 
@@ -240,6 +242,32 @@ def test_a_policy_is_scored_from_its_numbers(policy, capsys):
     bees = problem(load_suite("tabu-bee-v0", "test")[0], "test").task(0)
     with pytest.raises(AgentError, match="the task has"):
         agents.make(str(policy)).reset(bees, seed=0)
+
+
+@pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
+@pytest.mark.parametrize(("regime", "size"), [("OneShot", TASK), ("Control", CONTROL)])
+def test_weights_beyond_reason_fail_the_policy_and_no_board(folder, algorithm, regime, size):
+    """They are finite, what they lead to is not: torch raises of it, or answers NaN."""
+    pytest.importorskip("stable_baselines3")
+    import torch
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    model = blank_model(algorithm, size=size)
+    with torch.no_grad():
+        for weights in model.policy.parameters():
+            weights.copy_(torch.where(weights > 0, 3e38, -3e38))
+    export(model, folder / "net", regime=regime)
+    track = {"OneShot": "B", "Control": "C"}[regime]
+    change(
+        folder / "submission.json",
+        kind="policy",
+        files=["net.json", "net.safetensors"],
+        maps=2,
+        track=track,
+    )
+    refused(folder, "net.json: (its network cannot work|chose .*nan)")
 
 
 def test_a_policy_whose_map_would_fill_the_memory_is_refused(policy):
