@@ -4,6 +4,7 @@
 ``experiments.verify`` scores it again, and a board takes the folder's name where it takes an agent's.
 """
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from agents.algorithms import check_constructor
 from agents.catalogue import RL_LIBRARIES, Card
 from agents.policy import PolicyAgent
-from agents.published import PolicyCard, is_number, is_whole, read_card
+from agents.published import SHIPPED, PolicyCard, is_number, is_whole, read_card
 from agents.search import ZeroShot
 from agents.steering import PolicyController
 from agents.stranger import harmless
@@ -264,11 +265,25 @@ def _read_policy(manifest: Path, names: list[str]) -> PolicyCard:
     card = read_card(file)
     if card.map is not None and np.prod(card.map) > MOST_MAP:
         raise ParameterError(f"{file}: field 'map' = {card.map}: no map of antgym is that large")
+    _require_shipped(file, card)
     try:
         check_constructor(card.constructor)
     except ParameterError as error:
         raise ParameterError(f"{file}: {error}") from None
     return card
+
+
+def _require_shipped(file: Path, card: PolicyCard) -> None:
+    """Raise ParameterError where a policy follows another than a shipped one: its files are none that were checked.
+
+    One that lies beside it is refused too, for it would be taken in the place of the shipped one.
+    """
+    place = f"{file}: field 'follows' = {card.follows!r:.80}"
+    beside_it = file.parent / f"{card.follows}.json"
+    if card.follows and not (SHIPPED / beside_it.name).is_file():
+        raise ParameterError(f"{place}: a submission follows a policy that comes with antgym, or none")
+    if card.follows and os.path.lexists(beside_it):
+        raise ParameterError(f"{place}: comes with antgym; take {beside_it.name} out of the folder")
 
 
 def make_agent(folder: str) -> "Agent":

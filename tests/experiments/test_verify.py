@@ -5,6 +5,7 @@ import os
 import pickle
 import shutil
 import struct
+import time
 from pathlib import Path
 
 import numpy as np
@@ -155,6 +156,15 @@ def test_a_table_that_is_amiss_is_named_by_its_field(folder, fields, message):
     refused(folder, message)
 
 
+def test_a_name_that_is_there_twice_is_found_at_once(folder):
+    """However many others there are: nobody waits for what a stranger wrote."""
+    names = [f'"{number}": 0' for number in range(80_000)]
+    (folder / "submission.json").write_text(f"{{{', '.join([*names, names[-1]])}}}")
+    begun = time.process_time()
+    refused(folder, "'79999' is there twice")
+    assert time.process_time() - begun < 5  # counting each name took a minute and more
+
+
 def test_neither_links_nor_pipes_nor_folders_are_read(folder):
     table = folder / "table.json"
     table.rename(folder / "elsewhere.json")
@@ -273,6 +283,17 @@ def test_weights_beyond_reason_fail_the_policy_and_no_board(folder, algorithm, r
 def test_a_policy_whose_map_would_fill_the_memory_is_refused(policy):
     change(policy / "net.json", map=[128, 128, 128, 128], observation="map3d")
     refused(policy, "net.json: field 'map' = .*no map of antgym is that large")
+
+
+def test_a_policy_follows_a_shipped_one_and_opens_no_other_file(policy):
+    """What lies beside it, or what a link there leads to, was checked by nobody."""
+    (policy / "secret.json").symlink_to("/etc/passwd")
+    change(policy / "net.json", start=None, follows="secret")
+    refused(policy, "net.json: field 'follows' = 'secret': a submission follows a policy that comes with")
+    change(policy / "net.json", follows="open-one-shot")
+    assert agents.find_card(str(policy)).files[1] == policy / "net.json"
+    (policy / "open-one-shot.json").symlink_to("/etc/passwd")
+    refused(policy, "field 'follows' = 'open-one-shot': .*take open-one-shot.json out")
 
 
 def test_a_policy_of_many_nets_is_refused(policy):
