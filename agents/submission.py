@@ -1,7 +1,8 @@
 """Submissions: a folder with a manifest and a table of settings, or a published policy. Data, and never code.
 
 ``submission.json`` says what was submitted, on which maps, and which mean gap its makers claim;
-``experiments.verify`` scores it again, and a board takes the folder's name where it takes an agent's.
+``experiments.verify`` scores it again, and a board takes the folder's name where it takes an agent's; one that steers
+runs is on track C alone.
 """
 
 import os
@@ -308,4 +309,5 @@ def card_of(name: str) -> Card:
         libraries=RL_LIBRARIES if policy else (),
         files=(folder / MANIFEST, *(folder / file for file in submission.files)),
         training=spent,
+        steers=submission.track == "C",
     )

@@ -13,10 +13,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents import find_card
 from agents.policy import PolicyAgent
 from agents.published import beside, read_card, stem_of
 from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
 from agents.stranger import Stranger
+from agents.submission import SubmittedController
 from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
@@ -146,7 +148,11 @@ def steerable(items: Iterable[SuiteItem]) -> list[SuiteItem]:
 
 
 def controllers(
-    constants: Iterable[contest.Entrant], policies: Sequence[str], against: str, schedule: Schedule | None
+    constants: Iterable[contest.Entrant],
+    policies: Sequence[str],
+    against: str,
+    schedule: Schedule | None,
+    submitted: Sequence[str] = (),
 ) -> list[Entrant]:
     """Return who steers a run: agents whose recommendation stays, a schedule, and policies.
 
@@ -155,6 +161,7 @@ def controllers(
         policies: their files, of Control or OneShot.
         against: the one of the constants whose setting a schedule changes.
         schedule: None for no such entrant.
+        submitted: folders of submissions that steer.
 
     Raises:
         ParameterError: where two have the same name, or a policy cannot be read.
@@ -165,6 +172,7 @@ def controllers(
         if schedule and name == against:
             changed = f"{against}, changed once within the run as the card of the world says"
             found.append(Entrant(SCHEDULE, ScheduleController(agent, schedule), None, "agent", changed))
+    found += [_submission(folder) for folder in submitted]
     found += [_policy(path) for path in policies]
     names = [entrant.name for entrant in found]
     if len(set(names)) < len(names):
@@ -172,6 +180,11 @@ def controllers(
             f"controllers need names of their own, got {', '.join(names)}; rename a policy's files"
         )
     return found
+
+
+def _submission(folder: str) -> Entrant:
+    card = find_card(folder)
+    return Entrant(folder, SubmittedController(card.files[1]), card.training, "agent", card.summary)
 
 
 def _policy(path: str) -> Entrant:

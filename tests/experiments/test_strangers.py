@@ -19,6 +19,7 @@ from antgym.errors import LedgerError, ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning import Session
 from antgym.tuning.ledger import TRIALS, Ledger
+from antgym.tuning.run_features import CONTROL_FEATURES
 from antgym.tuning.session import steer_together
 from experiments import steering
 from experiments.artefacts import prepare
@@ -170,6 +171,34 @@ def test_strangers_and_submissions_play_where_settings_stay_within_a_run(trained
     assert (ended[names[1]]["gaps"], ended[names[1]]["unit"]) == ([1.0], [0.5] * 4)
     assert ended[names[2]]["unit"][:4] == [0.047, 0.087, 0.613, 0.773]
     assert "failure" not in ended[names[0]]
+
+
+def test_a_submission_that_steers_plays_within_runs_and_nowhere_else(trained, tmp_path):
+    """What its weights make impossible is its own failure, there as well."""
+    pytest.importorskip("stable_baselines3")
+    torch = pytest.importorskip("torch")
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    model, names = blank_model(size=len(CONTROL_FEATURES)), {}
+    for name in ("sound", "beyond"):
+        names[name] = str(tmp_path / name)
+        export(model, tmp_path / name / "net", regime="Control")
+        manifest = json.loads((EXAMPLE / "submission.json").read_text())
+        manifest |= {"track": "C", "kind": "policy", "files": ["net.json", "net.safetensors"]}
+        (tmp_path / name / "submission.json").write_text(json.dumps(manifest))
+        with torch.no_grad():  # of the second
+            for weights in model.policy.parameters():
+                weights.copy_(torch.where(weights > 0, 3e38, -3e38))
+    with pytest.raises(ParameterError, match="sound steers runs, which is track C; add --track C"):
+        run_tiny(tmp_path / "before", trained, names["sound"])
+    folder = run_tiny(tmp_path / "board", trained, *names.values(), track=("A", "C"))
+    runs = {name: [line for line in records(folder) if line["run"].startswith(names[name])] for name in names}
+    kinds = [line["kind"] for line in runs["sound"]]
+    assert (kinds.count("trial"), kinds.count("outcome")) == (TINY.scenarios * TINY.seeds,) * 2
+    assert all("its network cannot work" in line["failure"] for line in runs["beyond"])
+    assert len(runs["beyond"]) == TINY.scenarios * TINY.seeds
 
 
 def test_a_submissions_trials_stand_in_the_table(tmp_path):
