@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 MANIFEST, FORMAT, TABLE_FORMAT = "submission.json", "antgym submission 1", "antgym table 1"
 TRACKS, KINDS, SPLITS = ("A", "B", "C"), ("table", "policy"), ("validation", "test", "ood")
+MOST_TRIALS = 1000  # that a policy may pick on a map when it is scored; boards' budgets end at 100
 MOST_MAP = 1 << 14  # numbers of a map that a policy may be shown; those of antgym have 3,072 or 12,288
 
 
@@ -242,6 +243,10 @@ def read_submission(folder: Path) -> Submission:
     names, steers = submission.files, False
     if submission.kind == "policy":
         steers = _read_policy(path, names).regime == "Control"
+        if submission.trials > MOST_TRIALS:
+            raise ParameterError(
+                f"{path}: field 'trials' = {submission.trials}: a policy may pick {MOST_TRIALS:,} at most"
+            )
     elif len(names) == 1:
         Table.read(folder / names[0])
     else:

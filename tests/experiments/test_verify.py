@@ -3,6 +3,7 @@
 import json
 import os
 import pickle
+import re
 import shutil
 import struct
 import time
@@ -12,12 +13,13 @@ import numpy as np
 import pytest
 
 import agents
+from agents.submission import read_submission
 from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.run_features import CONTROL_FEATURES
 from experiments.artefacts import problem
-from experiments.verify import Arguments, interval, verify
+from experiments.verify import Arguments, interval, verdict, verify
 
 TASK, CONTROL = len(TASK_FEATURES), len(CONTROL_FEATURES)
 EXAMPLE = Path(__file__).parents[2] / "docs" / "example-submission"
@@ -64,6 +66,21 @@ def test_a_salt_gives_the_same_again_and_another_does_not(folder, capsys):
         said.append(capsys.readouterr().out.splitlines()[3])
     assert said[0] == said[1]
     assert len(set(said)) == 3
+
+
+@pytest.mark.parametrize(("maps", "seeds", "said"), [(2, 1, "too vague"), (100, 30, "give --seeds ")])
+def test_what_nearly_any_claim_would_pass_is_undecided(folder, maps, seeds, said):
+    """Whoever claims chooses maps and seeds, and whoever scores chooses seeds: none of it makes a claim true."""
+    change(folder / "submission.json", mean_gap=0.4, maps=maps, seeds=seeds)
+    found = verdict(read_submission(folder), np.tile([0.3, 0.5], (maps, 1)))
+    assert found.startswith("undecided  +- ")
+    assert said in found
+
+
+def test_an_undecided_claim_is_decided_by_as_many_seeds_as_it_says(capsys):
+    assert verify(Arguments(EXAMPLE, salt=7, seeds=2)) == 1
+    advised = int(re.search(r"undecided .*give --seeds (\d+)", capsys.readouterr().out)[1])
+    assert verify(Arguments(EXAMPLE, salt=7, seeds=advised)) == 0
 
 
 def test_an_honest_claim_fails_once_in_a_hundred():
@@ -246,8 +263,11 @@ def test_a_policy_that_steers_is_scored_by_the_runs_it_steered(folder, capsys):
 @pytest.mark.slow
 def test_a_policy_is_scored_from_its_numbers(policy, capsys):
     pytest.importorskip("stable_baselines3")
-    assert verify(Arguments(policy, salt=1, seeds=2)) in (0, 1)
-    assert "first 2 of mountain-v0, test" in capsys.readouterr().out
+    change(policy / "submission.json", mean_gap=1, seeds=100)
+    assert verify(Arguments(policy, salt=1, seeds=4)) == 1
+    said = capsys.readouterr().out
+    assert "first 2 of mountain-v0, test" in said
+    assert "the claimed mean gap is higher than what it does" in said
     assert agents.find_card(str(policy)).needs == "rl"
     bees = problem(load_suite("tabu-bee-v0", "test")[0], "test").task(0)
     with pytest.raises(AgentError, match="the task has"):
@@ -294,6 +314,11 @@ def test_a_policy_follows_a_shipped_one_and_opens_no_other_file(policy):
     assert agents.find_card(str(policy)).files[1] == policy / "net.json"
     (policy / "open-one-shot.json").symlink_to("/etc/passwd")
     refused(policy, "field 'follows' = 'open-one-shot': .*take open-one-shot.json out")
+
+
+def test_a_policy_that_would_pick_trials_for_ever_is_refused(policy):
+    change(policy / "submission.json", trials=1 << 40)
+    refused(policy, "field 'trials' = 1099511627776: a policy may pick 1,000 at most")
 
 
 def test_a_policy_of_many_nets_is_refused(policy):
