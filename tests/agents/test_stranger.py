@@ -4,6 +4,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +82,21 @@ def test_what_an_agent_must_not_do_is_named(play, kind, message):
 def test_a_hang_is_stopped(play, kind, call):
     with pytest.raises(AgentError, match=rf"{call}\(\) hung: no answer within 0.2 s"):
         play(kind, seconds=0.2)
+
+
+def test_who_hung_three_times_is_not_waited_for_again(problem):
+    """Neither by runs that have begun beside those that hung, nor by later ones."""
+    agent = agents.make(f"{ZOO}:HangsAwake", seconds=0.2)
+    together = [copy(agent) for _ in range(5)]
+    for each in together[:4]:
+        each.reset(problem.task(7), seed=0)
+    for each in together[:3]:
+        with pytest.raises(AgentError, match=r"ask\(\) hung: no answer"):
+            each.ask()
+    with pytest.raises(AgentError, match=r"ask\(\) was not called: it hung before, 3 times"):
+        together[3].ask()
+    with pytest.raises(AgentError, match=r"reset\(\) was not called: it hung before"):
+        together[4].reset(problem.task(7), seed=0)
 
 
 def test_who_asks_for_more_than_the_budget_gets_the_budget(play):
