@@ -18,6 +18,7 @@ class Card(NamedTuple):
         libraries: distributions that its results depend on, numpy apart.
         files: that an agent from outside the catalogue consists of.
         training: planner runs that whoever submitted it says its making spent.
+        steers: whether it sets parameters within a run, and can be asked for none before it.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Card(NamedTuple):
     libraries: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
     training: int = 0
+    steers: bool = False
 
 
 _OPTUNA, _TRANSFER = "agents.bayesian:OptunaSearch", "agents.transfer:TransferAgent"

@@ -9,9 +9,11 @@ import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
+from threading import Lock, RLock
 from typing import Any, NamedTuple
 
 from agents.messages import Line
+from antgym.errors import AntgymError
 
 _ANSWER = 1 << 12  # bytes
 _SECONDS = 60.0  # for an order: the first waits until everything is imported
@@ -42,6 +44,7 @@ class Nursery:
     """A process that has imported what agents may import, and forks: a start takes milliseconds, not a second."""
 
     def __init__(self) -> None:
+        self._lock = RLock()  # reentrant: the garbage collector may end a child at any moment
         self._control, theirs = socket.socketpair()
         self._control.settimeout(_SECONDS)
         root = Path(__file__).parents[1]
@@ -88,8 +91,9 @@ class Nursery:
 
     def _order(self, order: dict[str, int], *handles: int) -> Any:
         try:
-            socket.send_fds(self._control, [json.dumps(order).encode()], handles)
-            answer = self._control.recv(_ANSWER)
+            with self._lock:  # answers come in the order of the orders; threads share the nursery
+                socket.send_fds(self._control, [json.dumps(order).encode()], handles)
+                answer = self._control.recv(_ANSWER)
         except OSError:
             answer = b""
         if not answer:
@@ -100,20 +104,26 @@ class Nursery:
 
 
 _NURSERIES: dict[int, Nursery] = {}  # by process: one that was forked needs its own
+_LOCK = Lock()  # of threads that want the first
 
 
 def nursery() -> Nursery:
     """Return this process's nursery, a new one where it has none that runs."""
     here = os.getpid()
-    if here not in _NURSERIES or not _NURSERIES[here].open:
-        _NURSERIES[here] = Nursery()
-        atexit.register(_NURSERIES[here].close)
-    return _NURSERIES[here]
+    with _LOCK:
+        if here not in _NURSERIES or not _NURSERIES[here].open:
+            _NURSERIES[here] = Nursery()
+            atexit.register(_NURSERIES[here].close)
+        return _NURSERIES[here]
 
 
 def start(memory: int) -> Child:
-    """Start a process that may use so many bytes of memory; a nursery that a stranger has ended is replaced."""
-    try:
-        return nursery().start(memory)
-    except EOFError:
-        return nursery().start(memory)
+    """Start a process that may use so many bytes of memory; a nursery that a stranger has ended is replaced.
+
+    Raises:
+        AntgymError: where the new one ends as well, which is then no stranger's doing.
+    """
+    for _ in range(2):
+        with suppress(EOFError):
+            return nursery().start(memory)
+    raise AntgymError("the process for agents of files cannot be started; what it said is above")

@@ -48,7 +48,12 @@ class ConstantController:
 
     Args:
         agent: never told of the run.
+
+    Attributes:
+        setting: what it recommended for the run that was begun, (d,) in [0, 1].
     """
+
+    setting: Floats
 
     def __init__(self, agent: Agent) -> None:
         self.agent = agent
@@ -57,11 +62,11 @@ class ConstantController:
         """Let the agent choose."""
         agent = copy(self.agent)  # what training left is shared, what a task brings is not
         agent.reset(replace(task, budget=0), seed=seed)
-        self._setting = np.asarray(agent.recommend(), dtype=np.float64)
+        self.setting = np.asarray(agent.recommend(), dtype=np.float64)
 
     def act(self, observation: NDArray[np.float32]) -> Floats:  # noqa: ARG002 - a constant looks at nothing
         """Return the setting."""
-        return self._setting
+        return self.setting
 
 
 class ScheduleController(ConstantController):
@@ -80,13 +85,13 @@ class ScheduleController(ConstantController):
         """Work out both settings."""
         super().reset(task, seed=seed)
         space, zero = task.space, np.zeros(len(task.space))
-        low, high, static = (space.decode(unit)[0] for unit in (zero, zero + 1, self._setting))
+        low, high, static = (space.decode(unit)[0] for unit in (zero, zero + 1, self.setting))
         parts = []
         for part in range(2):
             factors = np.ones(len(static))
             factors[:2] = self._schedule.first[part], self._schedule.second[part]
             moved = space.encode(np.clip(static * factors, low, high))[0]
-            parts.append(self._setting if (factors == 1).all() else np.clip(moved, 0.0, 1.0))
+            parts.append(self.setting if (factors == 1).all() else np.clip(moved, 0.0, 1.0))
         self._parts, self._block = parts, 0
 
     def act(self, observation: NDArray[np.float32]) -> Floats:  # noqa: ARG002 - a schedule looks at nothing

@@ -22,6 +22,7 @@ from antgym.tuning import Task, Trial
 
 Floats = NDArray[np.float64]
 CALL_SECONDS = 60.0  # of one call, the import of torch on a busy machine among them
+MOST_HANGS = 3  # of an agent and its copies; a board of a thousand runs would wait for days
 MEMORY = 4 << 30  # bytes
 _SAID = 300  # characters of what a stranger says
 
@@ -47,10 +48,13 @@ class Stranger:
         self.file, self.kind = Path(file).resolve(), kind
         self.seconds, self.memory = seconds, memory
         self.cpu = 0.0
+        self._hung: list[str] = []
 
     def __copy__(self) -> "Stranger":
-        """Return the same agent without a process: nobody shares one."""
-        return Stranger(self.file, self.kind, seconds=self.seconds, memory=self.memory)
+        """Return the same agent without a process: nobody shares one, but how often it hung is known to all."""
+        other = Stranger(self.file, self.kind, seconds=self.seconds, memory=self.memory)
+        other._hung = self._hung
+        return other
 
     def __del__(self) -> None:
         self.close()
@@ -63,6 +67,7 @@ class Stranger:
     def reset(self, task: Task, *, seed: int) -> None:
         """Begin a process, load the file in it, and hand over the task."""
         self.close()
+        self._require_patience("reset")
         self._task, self._child = task, start(self.memory)
         self._call("make", file=str(self.file), kind=self.kind)
         self._call("reset", task=pack_task(task), seed=seed)
@@ -105,9 +110,11 @@ class Stranger:
     def _call(self, name: str, **given: Any) -> dict[str, Any]:
         if self._child is None:
             self._fail(name, "has no process; reset it first")
+        self._require_patience(name)
         try:
             answer = self._converse(self._child.line, {"call": name, **given})
         except TimeoutError:
+            self._hung.append(name)
             self._fail(name, f"hung: no answer within {self.seconds:g} s, so it was stopped")
         except (EOFError, OSError):
             self._fail(name, f"ended its process ({self.close()})")
@@ -116,6 +123,10 @@ class Stranger:
         if "error" in answer:
             self._fail(name, f"raised {answer['error']}")
         return answer
+
+    def _require_patience(self, name: str) -> None:
+        if len(self._hung) >= MOST_HANGS:
+            self._fail(name, f"was not called: it hung before, {len(self._hung)} times")
 
     def _converse(self, line: Line, message: dict[str, Any]) -> dict[str, Any]:
         """Send a call and return its answer; a map that the agent looks at meanwhile is handed over."""

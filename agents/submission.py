@@ -1,10 +1,13 @@
 """Submissions: a folder with a manifest and a table of settings, or a published policy. Data, and never code.
 
 ``submission.json`` says what was submitted, on which maps, and which mean gap its makers claim;
-``experiments.verify`` scores it again, and a board takes the folder's name where it takes an agent's.
+``experiments.verify`` scores it again, and a board takes the folder's name where it takes an agent's; one that steers
+runs is on track C alone.
 """
 
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,10 +18,12 @@ from numpy.typing import NDArray
 from agents.algorithms import check_constructor
 from agents.catalogue import RL_LIBRARIES, Card
 from agents.policy import PolicyAgent
-from agents.published import PolicyCard, is_number, is_whole, read_card
+from agents.published import SHIPPED, PolicyCard, is_number, is_whole, read_card
 from agents.search import ZeroShot
+from agents.steering import PolicyController
+from agents.stranger import harmless
 from agents.submitted_files import check_weights, is_file_name, read_object
-from antgym.errors import AgentError, ParameterError
+from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.tuning import Task, shown_rules
 
 if TYPE_CHECKING:
@@ -27,6 +32,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 MANIFEST, FORMAT, TABLE_FORMAT = "submission.json", "antgym submission 1", "antgym table 1"
 TRACKS, KINDS, SPLITS = ("A", "B", "C"), ("table", "policy"), ("validation", "test", "ood")
+MOST_TRIALS = 1000  # that a policy may pick on a map when it is scored; boards' budgets end at 100
 MOST_MAP = 1 << 14  # numbers of a map that a policy may be shown; those of antgym have 3,072 or 12,288
 
 
@@ -182,15 +188,48 @@ class TableAgent(ZeroShot):
         return np.array(unit)
 
 
+@contextmanager
+def _failing_alone(path: Path) -> Iterator[None]:
+    """Turn what a submitted policy stumbles over into AgentError; torch's own errors come of weights beyond reason."""
+    try:
+        yield
+    except AntgymError as error:
+        raise AgentError(str(error)) from None
+    except (ValueError, RuntimeError) as error:
+        raise AgentError(f"{path}: its network cannot work: {harmless(str(error))}") from None
+
+
+def _require_finite(path: Path, setting: Floats) -> Floats:
+    if not np.isfinite(setting).all():
+        raise AgentError(f"{path}: chose {setting.tolist()}; its weights lead to no finite numbers")
+    return setting
+
+
 class SubmittedPolicy(PolicyAgent):
-    """A submitted policy: on a task that it does not fit it fails, and stops nobody else."""
+    """A submitted policy: where it does not fit a task, or its network cannot work, it fails and stops nobody else."""
 
     def reset(self, task: Task, *, seed: int) -> None:
         """Look at the task; AgentError where the policy was trained on another observation or other parameters."""
-        try:
+        with _failing_alone(self.path):
             super().reset(task, seed=seed)
-        except ParameterError as error:
-            raise AgentError(str(error)) from None
+
+    def _pick(self) -> Floats:
+        with _failing_alone(self.path):
+            return _require_finite(self.path, super()._pick())
+
+
+class SubmittedController(PolicyController):
+    """A submitted policy that steers runs; it fails as :class:`SubmittedPolicy` does."""
+
+    def reset(self, task: Task, *, seed: int) -> None:
+        """Begin a run; AgentError where the policy sets other parameters."""
+        with _failing_alone(self.path):
+            super().reset(task, seed=seed)
+
+    def act(self, observation: NDArray[np.float32]) -> Floats:
+        """Return the setting for the next block; AgentError where the policy does not fit what it is shown."""
+        with _failing_alone(self.path):
+            return _require_finite(self.path, super().act(observation))
 
 
 def read_submission(folder: Path) -> Submission:
@@ -204,6 +243,10 @@ def read_submission(folder: Path) -> Submission:
     names, steers = submission.files, False
     if submission.kind == "policy":
         steers = _read_policy(path, names).regime == "Control"
+        if submission.trials > MOST_TRIALS:
+            raise ParameterError(
+                f"{path}: field 'trials' = {submission.trials}: a policy may pick {MOST_TRIALS:,} at most"
+            )
     elif len(names) == 1:
         Table.read(folder / names[0])
     else:
@@ -228,11 +271,25 @@ def _read_policy(manifest: Path, names: list[str]) -> PolicyCard:
     card = read_card(file)
     if card.map is not None and np.prod(card.map) > MOST_MAP:
         raise ParameterError(f"{file}: field 'map' = {card.map}: no map of antgym is that large")
+    _require_shipped(file, card)
     try:
         check_constructor(card.constructor)
     except ParameterError as error:
         raise ParameterError(f"{file}: {error}") from None
     return card
+
+
+def _require_shipped(file: Path, card: PolicyCard) -> None:
+    """Raise ParameterError where a policy follows another than a shipped one: its files are none that were checked.
+
+    One that lies beside it is refused too, for it would be taken in the place of the shipped one.
+    """
+    place = f"{file}: field 'follows' = {card.follows!r:.80}"
+    beside_it = file.parent / f"{card.follows}.json"
+    if card.follows and not (SHIPPED / beside_it.name).is_file():
+        raise ParameterError(f"{place}: a submission follows a policy that comes with antgym, or none")
+    if card.follows and os.path.lexists(beside_it):
+        raise ParameterError(f"{place}: comes with antgym; take {beside_it.name} out of the folder")
 
 
 def make_agent(folder: str) -> "Agent":
@@ -257,4 +314,5 @@ def card_of(name: str) -> Card:
         libraries=RL_LIBRARIES if policy else (),
         files=(folder / MANIFEST, *(folder / file for file in submission.files)),
         training=spent,
+        steers=submission.track == "C",
     )

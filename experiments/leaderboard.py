@@ -113,7 +113,7 @@ def plan_board(arguments: Arguments) -> Plan:
         "split_hash": digest_of(items),  # with efforts and rules
         "agents": list(arguments.agents),
     }
-    names = [*names_of(arguments), *(["rl"] if arguments.controllers else [])]
+    names = [*names_of(arguments), *_submitted(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)
 
 
@@ -131,6 +131,8 @@ def _check(arguments: Arguments) -> None:
         _budgets(track, arguments)
     if arguments.controllers and "C" not in arguments.track:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
+    if (submitted := _submitted(arguments)) and "C" not in arguments.track:
+        raise ParameterError(f"--agents {submitted[0]} steers runs, which is track C; add --track C")
 
 
 def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
@@ -158,16 +160,25 @@ def _references(arguments: Arguments) -> tuple[str, ...]:
     return tuple(name for name in ALWAYS if name not in arguments.agents)
 
 
+def _submitted(arguments: Arguments) -> tuple[str, ...]:
+    """Return the submissions that steer runs, which is what they do in C and all that they do."""
+    return tuple(name for name in arguments.agents if agents.find_card(name).steers)
+
+
+def _agents(arguments: Arguments) -> tuple[str, ...]:
+    return tuple(name for name in arguments.agents if not agents.find_card(name).steers)
+
+
 def names_of(arguments: Arguments) -> tuple[str, ...]:
-    """Return who plays: the agents that are asked for, then references."""
-    return *arguments.agents, *_references(arguments)
+    """Return who can be asked for a setting: the agents that are asked for, then references."""
+    return *_agents(arguments), *_references(arguments)
 
 
 def enter_board(arguments: Arguments, plan: Plan) -> list[Round]:
     """Return the rounds of a board, track by track, their entrants trained now where they are not yet."""
     trained, references = arguments.out / TRAINED, _references(arguments)
     spent = prepare(trained, arguments.suite, plan.preset, names_of(arguments))
-    entrants = enter(arguments.agents, trained, spent, references, arguments.call_seconds)
+    entrants = enter(_agents(arguments), trained, spent, references, arguments.call_seconds)
     return board_rounds(arguments, plan, entrants)
 
 
@@ -185,7 +196,9 @@ def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) 
     for track in _tracks(arguments):
         for budget in _budgets(track, arguments):
             if track == "C":
-                playing: Sequence[Any] = tracks.within_runs(entrants, arguments.suite, arguments.controllers)
+                playing: Sequence[Any] = tracks.within_runs(
+                    entrants, arguments.suite, arguments.controllers, _submitted(arguments)
+                )
                 items = tuple(steerable(plan.items))
             else:
                 playing, items = tracks.per_map(track, entrants, budget), tuple(plan.items)

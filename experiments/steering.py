@@ -13,9 +13,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents import find_card
 from agents.policy import PolicyAgent
 from agents.published import beside, read_card, stem_of
 from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
+from agents.stranger import Stranger
+from agents.submission import SubmittedController
 from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
@@ -30,6 +33,7 @@ from experiments import contest, provenance
 from experiments.artefacts import derived_seed, problem
 from experiments.contest import failed, play_missing, told
 from experiments.headroom.schedules import family
+from experiments.stopwatch import UNLIKE
 
 SCHEDULE = "schedule"
 
@@ -75,38 +79,67 @@ def play(todo: Sequence[Job], ledger: Ledger, advance: Callable[[int], None]) ->
     play_missing(todo, ledger, _play_together, advance)
 
 
+class _Steered(NamedTuple):
+    """A run under way: who steers it, what pays for it, and where it is kept."""
+
+    controller: Controller
+    session: Session
+    run: LedgerRun
+
+
 def _play_together(some: Sequence[Job], runs: Sequence[LedgerRun]) -> None:
     started, thinking = time.perf_counter(), 0.0
-    sessions, controllers, sound = [], [], []
-    for job, run in zip(some, runs, strict=True):
-        session, controller = Session(job.problem, 1, run), job.controller
-        try:
-            seed = derived_seed(job.entrant.name, job.item.scenario.digest, job.seed)
-            controller.reset(session.task, seed=seed)
-        except AgentError as error:
-            run.finish(failed(len(session.task.space), 1, str(error)))
-            continue
-        session.open(BLOCKS)
-        sessions.append(session)
-        controllers.append(controller)
-        sound.append(run)
-    for _ in range(BLOCKS):
-        begun = time.perf_counter()
-        units = [_act(controller, session) for controller, session in zip(controllers, sessions, strict=True)]
-        thinking += time.perf_counter() - begun
-        steer_together(list(zip(sessions, units, strict=True)))
-    planning = time.perf_counter() - started - thinking
-    with runs[0].hold():
-        for session, run in zip(sessions, sound, strict=True):
+    begun = [_begin(job, run) for job, run in zip(some, runs, strict=True)]
+    under_way = [steered for steered in begun if steered is not None]
+    with runs[0].hold():  # a trial and its outcome are one write: a board that goes on finds both or none
+        for _ in range(BLOCKS):
+            before = time.perf_counter()
+            units = [_act(steered) for steered in under_way]
+            thinking += time.perf_counter() - before
+            asked = [(s, unit) for s, unit in zip(under_way, units, strict=True) if unit is not None]
+            under_way = [steered for steered, _ in asked]
+            steer_together([(steered.session, unit) for steered, unit in asked])
+        planning = time.perf_counter() - started - thinking
+        for _, session, run in under_way:
             (trial,) = session.trials
             gaps = session.problem.gap(np.array(session.lengths))
             run.finish(Outcome(trial.unit, session.lengths, tuple(gaps.tolist())))
             run.time(tuner=thinking / len(some), planner=planning / len(some))
 
 
-def _act(controller: Controller, session: Session) -> NDArray[np.float64]:
+def _begin(job: Job, run: LedgerRun) -> _Steered | None:
+    """Open the run of a job; None where its agent failed, and the run has ended so."""
+    session, controller = Session(job.problem, 1, run), job.controller
+    try:
+        controller.reset(
+            session.task, seed=derived_seed(job.entrant.name, job.item.scenario.digest, job.seed)
+        )
+        _require_as_before(controller, run)
+    except AgentError as error:
+        run.finish(failed(len(session.task.space), 1, str(error)))
+        return None
+    session.open(BLOCKS)
+    return _Steered(controller, session, run)
+
+
+def _require_as_before(controller: Controller, run: LedgerRun) -> None:
+    """Raise AgentError where a stranger chose otherwise before the board was stopped, as its trial shows."""
+    if not (isinstance(controller, ConstantController) and isinstance(controller.agent, Stranger)):
+        return  # whatever else plays and answers otherwise is a fault, and stops the board
+    chosen = tuple(controller.setting.tolist()) * BLOCKS
+    if any(record.trial.unit != chosen for record in run.records):
+        raise AgentError(f"{controller.agent.name}: recommend() {UNLIKE}")
+
+
+def _act(steered: _Steered) -> NDArray[np.float64] | None:
+    """Return the setting for the next block; None where the controller failed, and the run has ended so."""
+    controller, session, run = steered
     assert session.opened is not None
-    return controller.act(observe_run(session.task, session.opened))
+    try:
+        return controller.act(observe_run(session.task, session.opened))
+    except AgentError as error:
+        run.finish(failed(len(session.task.space), 1, str(error)))
+        return None
 
 
 def steerable(items: Iterable[SuiteItem]) -> list[SuiteItem]:
@@ -115,7 +148,11 @@ def steerable(items: Iterable[SuiteItem]) -> list[SuiteItem]:
 
 
 def controllers(
-    constants: Iterable[contest.Entrant], policies: Sequence[str], against: str, schedule: Schedule | None
+    constants: Iterable[contest.Entrant],
+    policies: Sequence[str],
+    against: str,
+    schedule: Schedule | None,
+    submitted: Sequence[str] = (),
 ) -> list[Entrant]:
     """Return who steers a run: agents whose recommendation stays, a schedule, and policies.
 
@@ -124,6 +161,7 @@ def controllers(
         policies: their files, of Control or OneShot.
         against: the one of the constants whose setting a schedule changes.
         schedule: None for no such entrant.
+        submitted: folders of submissions that steer.
 
     Raises:
         ParameterError: where two have the same name, or a policy cannot be read.
@@ -134,6 +172,7 @@ def controllers(
         if schedule and name == against:
             changed = f"{against}, changed once within the run as the card of the world says"
             found.append(Entrant(SCHEDULE, ScheduleController(agent, schedule), None, "agent", changed))
+    found += [_submission(folder) for folder in submitted]
     found += [_policy(path) for path in policies]
     names = [entrant.name for entrant in found]
     if len(set(names)) < len(names):
@@ -141,6 +180,11 @@ def controllers(
             f"controllers need names of their own, got {', '.join(names)}; rename a policy's files"
         )
     return found
+
+
+def _submission(folder: str) -> Entrant:
+    card = find_card(folder)
+    return Entrant(folder, SubmittedController(card.files[1]), card.training, "agent", card.summary)
 
 
 def _policy(path: str) -> Entrant:

@@ -56,7 +56,8 @@ class Stopwatch:
         units = self._timed("ask")
         if isinstance(self._agent, Stranger) and not self.failure:
             before = [list(record.trial.unit) for record in self._kept[self._told : self._told + len(units)]]
-            if before != units[: len(before)].tolist():
+            stops_early = not len(units) and self._told < len(self._kept)
+            if stops_early or before != units[: len(before)].tolist():
                 self.failure = f"{self._agent.name}: ask() {UNLIKE}"
                 return self._nothing
         return units

@@ -95,11 +95,11 @@ def per_map(track: Track, entrants: Sequence[contest.Entrant], budget: int) -> t
 
 
 def within_runs(
-    entrants: Sequence[contest.Entrant], suite: str, policies: Sequence[str]
+    entrants: Sequence[contest.Entrant], suite: str, policies: Sequence[str], submitted: Sequence[str] = ()
 ) -> tuple[steering.Entrant, ...]:
-    """Return who steers in C: what B's agents recommend without a trial, the card's schedule, and policies."""
-    constants = per_map("B", entrants, 0)
-    return tuple(steering.controllers(constants, policies, SBS_BY_RULE, steering.find_schedule(suite)))
+    """Return who steers in C: what B's agents recommend without a trial, the card's schedule, submissions, policies."""
+    constants, schedule = per_map("B", entrants, 0), steering.find_schedule(suite)
+    return tuple(steering.controllers(constants, policies, SBS_BY_RULE, schedule, submitted))
 
 
 def jobs(rounds: Iterable[Round]) -> list[Job]:

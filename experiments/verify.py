@@ -19,8 +19,15 @@ import tyro
 from numpy.typing import NDArray
 
 import antgym
-from agents.steering import PolicyController
-from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
+from agents.steering import Controller
+from agents.submission import (
+    MANIFEST,
+    Submission,
+    SubmittedController,
+    TableAgent,
+    make_agent,
+    read_submission,
+)
 from antgym.console import PATIENCE, main, parse, progress
 from antgym.envs.control import BLOCKS
 from antgym.errors import AgentError, ParameterError, nearest
@@ -38,18 +45,21 @@ Floats = NDArray[np.float64]
 RUNS = 16  # runs that judge a recommendation, as on boards
 CONFIDENCE = 0.99  # of the interval: an honest claim fails once in a hundred, not once in twenty
 DIGIT = 1e-4  # claims are rounded
+WIDEST = 0.02  # half of the interval: two points tell most agents of a board apart, a wider one holds nearly any claim
+MOST_SEEDS = 1000  # that are advised
+VERIFIED = "verified"
 PROG = "python -m experiments.verify"
 
 
 @dataclass(frozen=True)
 class Arguments:
-    """Score a submission again on fresh seeds, and say "verified" (exit code 0) or what differs (1)."""
+    """Score a submission again on fresh seeds: "verified" (exit code 0), or what differs or is undecided (1)."""
 
     folder: tyro.conf.Positional[Path]
     """Folder of the submission."""
     salt: int | None = None
     """Root of the seeds, a whole number from 0 on; drawn and printed where none is given."""
-    seeds: int = 3
+    seeds: int = 10
     """Seeds on each map, at least 2; each is one recommendation and sixteen runs with it, or one run steered."""
 
 
@@ -78,8 +88,9 @@ def verify(arguments: Arguments) -> int:
     except AgentError as error:
         raise ParameterError(f"{arguments.folder}: {error}") from None
     low, high = interval(score.gaps, submission.seeds)
-    print(report(submission, score, low, high, salt))
-    return 0 if low <= submission.mean_gap <= high else 1
+    found = verdict(submission, score.gaps)
+    print(f"{report(submission, score, low, high, salt)}\n{found}")
+    return 0 if found == VERIFIED else 1
 
 
 def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
@@ -106,7 +117,7 @@ def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
 def _runs(folder: Path, submission: Submission) -> Run:
     """Return what runs a submission: fresh runs of what it recommends, or one that it steers."""
     if submission.track == "C":
-        controller = PolicyController(folder / submission.files[0])
+        controller = SubmittedController(folder / submission.files[0])
         return lambda item, this: _steered(controller, this)
     agent, budget = make_agent(str(folder)), submission.trials if submission.kind == "policy" else 0
     if isinstance(agent, TableAgent):
@@ -133,7 +144,7 @@ def _recommended(agent: Agent, this: TuningProblem, budget: int) -> Floats:
     return this.space.check(agent.recommend())[0]
 
 
-def _steered(controller: PolicyController, this: TuningProblem) -> Floats:
+def _steered(controller: Controller, this: TuningProblem) -> Floats:
     session = Session(this, 1)
     trial = session.open(BLOCKS)
     controller.reset(session.task, seed=derived_seed("verify", this.seed))
@@ -153,19 +164,21 @@ def interval(gaps: Floats, claimed_seeds: int) -> tuple[float, float]:
         gaps: (maps, seeds), at least two seeds.
         claimed_seeds: that the other mean is over.
     """
+    mean, half = float(gaps.mean()), _half_width(gaps.var(axis=1, ddof=1), gaps.shape[1], claimed_seeds)
+    return mean - half, mean + half
+
+
+def _half_width(variances: Floats, seeds: int, claimed_seeds: int) -> float:
     from scipy.stats import t
 
-    maps, seeds = gaps.shape
-    variances = gaps.var(axis=1, ddof=1)
+    maps, squares = len(variances), float((variances**2).sum())
     error = np.sqrt(variances.mean() * (1 / seeds + 1 / claimed_seeds) / maps)
-    squares = float((variances**2).sum())
     freedom = (seeds - 1) * float(variances.sum()) ** 2 / squares if squares else maps * (seeds - 1)
-    half = float(t.ppf((1 + CONFIDENCE) / 2, freedom) * error) + DIGIT
-    return float(gaps.mean()) - half, float(gaps.mean()) + half
+    return float(t.ppf((1 + CONFIDENCE) / 2, freedom) * error) + DIGIT
 
 
 def report(submission: Submission, score: Score, low: float, high: float, salt: int) -> str:
-    """Return what there is to say, the verdict last."""
+    """Return what was claimed and what was found."""
     maps, seeds = score.gaps.shape
     mean, claim = float(score.gaps.mean()), submission.mean_gap
     lines = [
@@ -177,10 +190,33 @@ def report(submission: Submission, score: Score, low: float, high: float, salt: 
     ]
     if submission.antgym != antgym.__version__:
         lines.append(f"note     claimed with antgym {submission.antgym}, scored with {antgym.__version__}")
-    if low <= claim <= high:
-        return "\n".join([*lines, "verified"])
-    how = "lower than what it does" if claim < low else "higher than what it does"
-    return "\n".join([*lines, f"differs  the claimed mean gap is {how}"])
+    return "\n".join(lines)
+
+
+def verdict(submission: Submission, gaps: Floats) -> str:
+    """Return what the interval says of a claim: "undecided" where it holds the claim, and would hold many others.
+
+    Args:
+        submission: with the claim.
+        gaps: what was found, (maps, seeds).
+    """
+    claim, (low, high) = submission.mean_gap, interval(gaps, submission.seeds)
+    if not low <= claim <= high:
+        return f"differs  the claimed mean gap is {'lower' if claim < low else 'higher'} than what it does"
+    half = (high - low) / 2
+    return (
+        VERIFIED if half <= WIDEST else f"undecided  +- {percent(half)} points; {_way_out(submission, gaps)}"
+    )
+
+
+def _way_out(submission: Submission, gaps: Floats) -> str:
+    """Return how the interval would come to be narrow enough, if these variances are what they seem."""
+    variances, most = gaps.var(axis=1, ddof=1), percent(WIDEST)
+    for seeds in range(gaps.shape[1], MOST_SEEDS):
+        if _half_width(variances, seeds, submission.seeds) <= WIDEST:
+            return f"at most {most} tell claims apart, give --seeds {seeds}"
+    claimed = f"a claim over {submission.seeds} seeds on {submission.maps} maps"
+    return f"at most {most} tell claims apart, {claimed} is too vague for that"
 
 
 if __name__ == "__main__":

@@ -3,14 +3,17 @@
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import agents
+from agents.nursery import nursery, start
 from agents.stranger import harmless
-from antgym.errors import AgentError, ParameterError
+from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.tuning import Session, tune
 from antgym.tuning.problem import TuningProblem
 
@@ -79,6 +82,21 @@ def test_what_an_agent_must_not_do_is_named(play, kind, message):
 def test_a_hang_is_stopped(play, kind, call):
     with pytest.raises(AgentError, match=rf"{call}\(\) hung: no answer within 0.2 s"):
         play(kind, seconds=0.2)
+
+
+def test_who_hung_three_times_is_not_waited_for_again(problem):
+    """Neither by runs that have begun beside those that hung, nor by later ones."""
+    agent = agents.make(f"{ZOO}:HangsAwake", seconds=0.2)
+    together = [copy(agent) for _ in range(5)]
+    for each in together[:4]:
+        each.reset(problem.task(7), seed=0)
+    for each in together[:3]:
+        with pytest.raises(AgentError, match=r"ask\(\) hung: no answer"):
+            each.ask()
+    with pytest.raises(AgentError, match=r"ask\(\) was not called: it hung before, 3 times"):
+        together[3].ask()
+    with pytest.raises(AgentError, match=r"reset\(\) was not called: it hung before"):
+        together[4].reset(problem.task(7), seed=0)
 
 
 def test_who_asks_for_more_than_the_budget_gets_the_budget(play):
@@ -188,6 +206,13 @@ def test_a_nursery_that_was_killed_is_replaced(play):
     assert play("Honest")[1].left == 0
 
 
+def test_a_nursery_that_cannot_be_started_is_said_to(monkeypatch):
+    nursery().close()
+    monkeypatch.setenv("PYTHONHOME", "/nowhere")  # where no Python finds its library
+    with pytest.raises(AntgymError, match="cannot be started"):
+        start(1 << 30)
+
+
 def test_an_agent_that_failed_is_not_asked_again(play, problem):
     agent = agents.make(f"{ZOO}:Honest")
     with pytest.raises(AgentError, match="reset it first"):
@@ -230,6 +255,17 @@ def test_what_a_stranger_says_is_one_harmless_line():
 
 def test_one_nursery_serves_all(play):
     assert play("Honest")[0]._child.nursery is play("Honest")[0]._child.nursery
+
+
+def test_threads_share_a_nursery_and_get_the_children_that_they_asked_for():
+    def begin_and_end(_):
+        child = nursery().start(1 << 30)
+        return child.pid, child.end().code
+
+    with ThreadPoolExecutor(4) as threads:
+        ended = list(threads.map(begin_and_end, range(60)))
+    assert len({pid for pid, _ in ended}) == 60
+    assert {code for _, code in ended} <= {-9, 0}  # killed, or gone by itself as its line was closed
 
 
 def test_settings_come_back_to_the_bit(play):

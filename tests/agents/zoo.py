@@ -32,6 +32,20 @@ class Whimsical(Honest):
         return np.random.default_rng().random((3, len(self.task.space)))
 
 
+class Wavers(Honest):
+    """Recommends from nowhere."""
+
+    def recommend(self):
+        return np.random.default_rng().random(len(self.task.space))
+
+
+class LosesHeart(Honest):
+    """Has been at work before, and now asks for nothing."""
+
+    def ask(self):
+        return np.empty((0, len(self.task.space)))
+
+
 class Overspends(Honest):
     def ask(self):
         return self.rng.random((1000, len(self.task.space)))

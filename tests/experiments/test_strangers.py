@@ -14,10 +14,14 @@ import tyro
 pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
+from antgym.envs.control import BLOCKS
 from antgym.errors import LedgerError, ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning import Session
 from antgym.tuning.ledger import TRIALS, Ledger
+from antgym.tuning.run_features import CONTROL_FEATURES
+from antgym.tuning.session import steer_together
+from experiments import steering
 from experiments.artefacts import prepare
 from experiments.contest import enter, foreign_files, jobs, play
 from experiments.leaderboard import Arguments, run_board
@@ -94,18 +98,42 @@ def test_a_board_goes_on_as_if_those_who_fail_were_not_there(together, trained, 
 
 
 def test_a_board_that_goes_on_ends_the_runs_of_who_answers_otherwise(tmp_path):
+    """Be it with other settings or with none, and nobody else's."""
     item = load_suite("mountain-v0", "test")[0]
-    playing = enter([f"{ZOO}:Whimsical", f"{ZOO}:Honest"], tmp_path, {})
+    playing = enter([f"{ZOO}:{kind}" for kind in ("Whimsical", "LosesHeart", "Honest")], tmp_path, {})
     todo = list(jobs(playing, [item], 1, [5]))
     with Ledger(tmp_path / "ledger", {}, {}) as ledger:
         for job in todo:  # as if it had been stopped after a batch
-            agent, session = copy(job.entrant.agent), Session(job.problem, 5, ledger.run(job.key))
-            agent.reset(session.task, seed=job.agent_seed)
-            session.evaluate(agent.ask())
+            session = Session(job.problem, 5, ledger.run(job.key))
+            session.evaluate(_first_batch(playing[2].agent, session, job.agent_seed))
         play(todo, ledger, 2, lambda _: None)
-        whimsical, honest = (ledger.run(job.key) for job in todo)
-    assert "zoo.py:Whimsical: ask() answered otherwise than before" in whimsical.outcome.failure
-    assert (len(whimsical.records), len(honest.records), honest.outcome.failure) == (3, 5, "")
+        *fickle, honest = (ledger.run(job.key) for job in todo)
+    for run, kind in zip(fickle, ("Whimsical", "LosesHeart"), strict=True):
+        assert f"zoo.py:{kind}: ask() answered otherwise than before" in run.outcome.failure
+        assert len(run.records) == 3
+    assert (len(honest.records), honest.outcome.failure) == (5, "")
+
+
+def _first_batch(agent, session, seed):
+    agent = copy(agent)
+    agent.reset(session.task, seed=seed)
+    return agent.ask()
+
+
+def test_a_run_within_that_goes_on_ends_where_its_stranger_recommends_otherwise(tmp_path):
+    items = steering.steerable(load_suite("mountain-v0", "test")[:1])
+    playing = enter([f"{ZOO}:{kind}" for kind in ("Wavers", "Honest")], tmp_path, {})
+    todo = [steering.Job(e, items[0], 0) for e in steering.controllers(playing, (), "", None)]
+    with Ledger(tmp_path / "ledger", {}, {}) as ledger:
+        for job in todo:  # as if it had been stopped between a trial and its outcome
+            session = Session(job.problem, 1, ledger.run(job.key))
+            session.open(BLOCKS)
+            for _ in range(BLOCKS):
+                steer_together([(session, [0.5] * 4)])
+        steering.play(todo, ledger, lambda _: None)
+        wavering, honest = (ledger.run(job.key).outcome for job in todo)
+    assert "zoo.py:Wavers: recommend() answered otherwise than before" in wavering.failure
+    assert (honest.failure, honest.unit) == ("", (0.5,) * 4 * BLOCKS)
 
 
 def test_nobody_is_charged_for_more_than_the_budget(together):
@@ -143,6 +171,34 @@ def test_strangers_and_submissions_play_where_settings_stay_within_a_run(trained
     assert (ended[names[1]]["gaps"], ended[names[1]]["unit"]) == ([1.0], [0.5] * 4)
     assert ended[names[2]]["unit"][:4] == [0.047, 0.087, 0.613, 0.773]
     assert "failure" not in ended[names[0]]
+
+
+def test_a_submission_that_steers_plays_within_runs_and_nowhere_else(trained, tmp_path):
+    """What its weights make impossible is its own failure, there as well."""
+    pytest.importorskip("stable_baselines3")
+    torch = pytest.importorskip("torch")
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    model, names = blank_model(size=len(CONTROL_FEATURES)), {}
+    for name in ("sound", "beyond"):
+        names[name] = str(tmp_path / name)
+        export(model, tmp_path / name / "net", regime="Control")
+        manifest = json.loads((EXAMPLE / "submission.json").read_text())
+        manifest |= {"track": "C", "kind": "policy", "files": ["net.json", "net.safetensors"]}
+        (tmp_path / name / "submission.json").write_text(json.dumps(manifest))
+        with torch.no_grad():  # of the second
+            for weights in model.policy.parameters():
+                weights.copy_(torch.where(weights > 0, 3e38, -3e38))
+    with pytest.raises(ParameterError, match="sound steers runs, which is track C; add --track C"):
+        run_tiny(tmp_path / "before", trained, names["sound"])
+    folder = run_tiny(tmp_path / "board", trained, *names.values(), track=("A", "C"))
+    runs = {name: [line for line in records(folder) if line["run"].startswith(names[name])] for name in names}
+    kinds = [line["kind"] for line in runs["sound"]]
+    assert (kinds.count("trial"), kinds.count("outcome")) == (TINY.scenarios * TINY.seeds,) * 2
+    assert all("its network cannot work" in line["failure"] for line in runs["beyond"])
+    assert len(runs["beyond"]) == TINY.scenarios * TINY.seeds
 
 
 def test_a_submissions_trials_stand_in_the_table(tmp_path):

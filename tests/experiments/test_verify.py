@@ -3,20 +3,25 @@
 import json
 import os
 import pickle
+import re
 import shutil
 import struct
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import agents
+from agents.submission import read_submission
 from antgym.errors import AgentError, AntgymError, ParameterError
 from antgym.maps.suites import load_suite
+from antgym.tuning.features import TASK_FEATURES
 from antgym.tuning.run_features import CONTROL_FEATURES
 from experiments.artefacts import problem
-from experiments.verify import Arguments, interval, verify
+from experiments.verify import Arguments, interval, verdict, verify
 
+TASK, CONTROL = len(TASK_FEATURES), len(CONTROL_FEATURES)
 EXAMPLE = Path(__file__).parents[2] / "docs" / "example-submission"
 
 
@@ -61,6 +66,21 @@ def test_a_salt_gives_the_same_again_and_another_does_not(folder, capsys):
         said.append(capsys.readouterr().out.splitlines()[3])
     assert said[0] == said[1]
     assert len(set(said)) == 3
+
+
+@pytest.mark.parametrize(("maps", "seeds", "said"), [(2, 1, "too vague"), (100, 30, "give --seeds ")])
+def test_what_nearly_any_claim_would_pass_is_undecided(folder, maps, seeds, said):
+    """Whoever claims chooses maps and seeds, and whoever scores chooses seeds: none of it makes a claim true."""
+    change(folder / "submission.json", mean_gap=0.4, maps=maps, seeds=seeds)
+    found = verdict(read_submission(folder), np.tile([0.3, 0.5], (maps, 1)))
+    assert found.startswith("undecided  +- ")
+    assert said in found
+
+
+def test_an_undecided_claim_is_decided_by_as_many_seeds_as_it_says(capsys):
+    assert verify(Arguments(EXAMPLE, salt=7, seeds=2)) == 1
+    advised = int(re.search(r"undecided .*give --seeds (\d+)", capsys.readouterr().out)[1])
+    assert verify(Arguments(EXAMPLE, salt=7, seeds=advised)) == 0
 
 
 def test_an_honest_claim_fails_once_in_a_hundred():
@@ -153,6 +173,15 @@ def test_a_table_that_is_amiss_is_named_by_its_field(folder, fields, message):
     refused(folder, message)
 
 
+def test_a_name_that_is_there_twice_is_found_at_once(folder):
+    """However many others there are: nobody waits for what a stranger wrote."""
+    names = [f'"{number}": 0' for number in range(80_000)]
+    (folder / "submission.json").write_text(f"{{{', '.join([*names, names[-1]])}}}")
+    begun = time.process_time()
+    refused(folder, "'79999' is there twice")
+    assert time.process_time() - begun < 5  # counting each name took a minute and more
+
+
 def test_neither_links_nor_pipes_nor_folders_are_read(folder):
     table = folder / "table.json"
     table.rename(folder / "elsewhere.json")
@@ -234,17 +263,62 @@ def test_a_policy_that_steers_is_scored_by_the_runs_it_steered(folder, capsys):
 @pytest.mark.slow
 def test_a_policy_is_scored_from_its_numbers(policy, capsys):
     pytest.importorskip("stable_baselines3")
-    assert verify(Arguments(policy, salt=1, seeds=2)) in (0, 1)
-    assert "first 2 of mountain-v0, test" in capsys.readouterr().out
+    change(policy / "submission.json", mean_gap=1, seeds=100)
+    assert verify(Arguments(policy, salt=1, seeds=4)) == 1
+    said = capsys.readouterr().out
+    assert "first 2 of mountain-v0, test" in said
+    assert "the claimed mean gap is higher than what it does" in said
     assert agents.find_card(str(policy)).needs == "rl"
     bees = problem(load_suite("tabu-bee-v0", "test")[0], "test").task(0)
     with pytest.raises(AgentError, match="the task has"):
         agents.make(str(policy)).reset(bees, seed=0)
 
 
+@pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
+@pytest.mark.parametrize(("regime", "size"), [("OneShot", TASK), ("Control", CONTROL)])
+def test_weights_beyond_reason_fail_the_policy_and_no_board(folder, algorithm, regime, size):
+    """They are finite, what they lead to is not: torch raises of it, or answers NaN."""
+    pytest.importorskip("stable_baselines3")
+    import torch
+    from blank_models import blank_model
+
+    from agents.networks import export
+
+    model = blank_model(algorithm, size=size)
+    with torch.no_grad():
+        for weights in model.policy.parameters():
+            weights.copy_(torch.where(weights > 0, 3e38, -3e38))
+    export(model, folder / "net", regime=regime)
+    track = {"OneShot": "B", "Control": "C"}[regime]
+    change(
+        folder / "submission.json",
+        kind="policy",
+        files=["net.json", "net.safetensors"],
+        maps=2,
+        track=track,
+    )
+    refused(folder, "net.json: (its network cannot work|chose .*nan)")
+
+
 def test_a_policy_whose_map_would_fill_the_memory_is_refused(policy):
     change(policy / "net.json", map=[128, 128, 128, 128], observation="map3d")
     refused(policy, "net.json: field 'map' = .*no map of antgym is that large")
+
+
+def test_a_policy_follows_a_shipped_one_and_opens_no_other_file(policy):
+    """What lies beside it, or what a link there leads to, was checked by nobody."""
+    (policy / "secret.json").symlink_to("/etc/passwd")
+    change(policy / "net.json", start=None, follows="secret")
+    refused(policy, "net.json: field 'follows' = 'secret': a submission follows a policy that comes with")
+    change(policy / "net.json", follows="open-one-shot")
+    assert agents.find_card(str(policy)).files[1] == policy / "net.json"
+    (policy / "open-one-shot.json").symlink_to("/etc/passwd")
+    refused(policy, "field 'follows' = 'open-one-shot': .*take open-one-shot.json out")
+
+
+def test_a_policy_that_would_pick_trials_for_ever_is_refused(policy):
+    change(policy / "submission.json", trials=1 << 40)
+    refused(policy, "field 'trials' = 1099511627776: a policy may pick 1,000 at most")
 
 
 def test_a_policy_of_many_nets_is_refused(policy):
