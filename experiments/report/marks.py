@@ -17,8 +17,8 @@ PATHS = " <small>paths</small>"  # of a map that can be looked at
 
 
 def label(name: str) -> str:
-    """Escape a name, and let it break after underscores."""
-    return escape(name).replace("_", "_<wbr>")
+    """Escape a name, and let it break after underscores and colons."""
+    return escape(name).replace("_", "_<wbr>").replace(":", ":<wbr>")
 
 
 def swatch(hue: Hue) -> str:

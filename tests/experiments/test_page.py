@@ -15,6 +15,7 @@ from antgym.errors import AntgymError, LedgerError, MissingExtraError
 from experiments.board import EXACT, Picture
 from experiments.columns import COLUMNS, percent
 from experiments.report.hues import hues
+from experiments.report.marks import label
 from experiments.report.page import write_site
 from experiments.report.picture import drawn, figure, stretch
 from experiments.report.titles import ahead
@@ -93,6 +94,11 @@ def test_page_says_who_is_ahead_and_whether_that_is_sure():
     low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
     assert "<strong>a</strong> is ahead" in ahead(board(row("a", low), row("b", high)))
     assert "not told apart from <strong>b</strong>" in ahead(board(row("a", low), row("b", low)))
+
+
+def test_a_name_breaks_where_its_words_end_and_nowhere_within_them():
+    assert label("halving.py:Halving") == "halving.py:<wbr>Halving"
+    assert label("cma_es<") == "cma_<wbr>es&lt;"
 
 
 def test_site_loads_its_own_files_and_nothing_else(site):

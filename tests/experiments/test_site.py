@@ -178,6 +178,8 @@ def test_a_phone_scrolls_tables_and_not_the_page(page):
     assert page.locator(".scroller:has(.ranking):visible").evaluate(
         "node => node.scrollWidth > node.clientWidth"
     )
+    page.set_viewport_size({"width": 320, "height": 640})  # the links to the boards are wider than that
+    assert page.evaluate("document.documentElement.scrollWidth") <= 320
 
 
 @pytest.mark.slow
