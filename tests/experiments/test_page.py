@@ -14,6 +14,7 @@ from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row,
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
 from experiments.board import EXACT, Picture
 from experiments.columns import COLUMNS, percent
+from experiments.report.cards import definition
 from experiments.report.hues import hues
 from experiments.report.marks import label
 from experiments.report.page import write_site
@@ -99,6 +100,11 @@ def test_page_says_who_is_ahead_and_whether_that_is_sure():
 def test_a_name_breaks_where_its_words_end_and_nowhere_within_them():
     assert label("halving.py:Halving") == "halving.py:<wbr>Halving"
     assert label("cma_es<") == "cma_<wbr>es&lt;"
+
+
+def test_what_a_card_does_not_know_is_a_dash():
+    assert definition("training trials", None) == "<div><dt>training trials</dt><dd>–</dd></div>"
+    assert definition("training trials", 0) == "<div><dt>training trials</dt><dd>0</dd></div>"
 
 
 def test_site_loads_its_own_files_and_nothing_else(site):
