@@ -12,11 +12,11 @@ import pytest
 from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row, small_site
 
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
-from experiments.board import EXACT, Picture
+from experiments.board import EXACT, SBS, VBS, Picture
 from experiments.columns import COLUMNS, percent
 from experiments.report.cards import definition
 from experiments.report.hues import hues
-from experiments.report.marks import label
+from experiments.report.marks import intervals, label
 from experiments.report.page import write_site
 from experiments.report.picture import drawn, figure, stretch
 from experiments.report.titles import ahead
@@ -105,6 +105,12 @@ def test_a_name_breaks_where_its_words_end_and_nowhere_within_them():
 def test_what_a_card_does_not_know_is_a_dash():
     assert definition("training trials", None) == "<div><dt>training trials</dt><dd>–</dd></div>"
     assert definition("training trials", 0) == "<div><dt>training trials</dt><dd>0</dd></div>"
+
+
+def test_only_three_references_are_lines_across_the_intervals_of_all():
+    kinds = dict.fromkeys((EXACT, SBS, VBS, "random_search", "published_default"), "reference")
+    shown = board(*(row(name, kind=kind) for name, kind in kinds.items()), row("ga"))
+    assert intervals(shown, hues([shown])).count('class="aim"') == 3 * len(shown.rows)
 
 
 def test_site_loads_its_own_files_and_nothing_else(site):
