@@ -11,15 +11,18 @@ import numpy as np
 import pytest
 from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row, small_site
 
+from antgym import load_suite
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
 from experiments.board import EXACT, SBS, VBS, Picture
 from experiments.columns import COLUMNS, percent
+from experiments.pictures import draw
 from experiments.report.cards import definition
 from experiments.report.hues import hues
 from experiments.report.marks import intervals, label
 from experiments.report.page import write_site
 from experiments.report.picture import drawn, figure, stretch
 from experiments.report.titles import ahead
+from experiments.tracks import Round
 
 SCRIPTS = ["page.js", "sorting.js", "curves.js", "scene.js", "maps.js"]
 
@@ -295,3 +298,16 @@ def test_a_flat_world_is_drawn_as_blocks_and_not_stretched():
     walls, factor = ground([[[1], [0]], [[1], [1]]])
     assert len(walls["i"]) == 2 * 3  # two sides and a lid
     assert factor == 1
+
+
+def test_flat_ground_is_stretched_by_three_at_most():
+    free = np.ones((30, 30, 2), np.uint8)
+    free[3, 4, 0] = 0
+    assert ground(free)[1] == 3
+
+
+def test_rooms_of_a_board_are_drawn_as_blocks_that_hide_no_path():
+    items = load_suite("room-v0", "test")[:1]
+    (picture,) = draw(Round("A", 5, (), items, 1), [row(gaps=[[0.1]])], None)
+    assert figure(board(row()), picture)["ground"]["type"] == "mesh3d"
+    assert stretch(picture) == 1
