@@ -23,6 +23,8 @@ from antgym.planners.parameters import ColonyParameters
 if TYPE_CHECKING:
     from antgym.cli import FleetFile
 
+DECIMALS = 9  # of times and places in a file: a nanosecond, and none of the binary digits behind it
+
 
 @dataclass(frozen=True, eq=False)
 class Convoy:
@@ -135,14 +137,11 @@ def files(found: Convoy) -> dict[Path, bytes]:
 
 
 def paths_csv(plan: FleetPlan, map_: Map) -> bytes:
-    """Return timed way-points as CSV: robot, t in seconds, x, y, z in the map's coordinates."""
+    """Return timed way-points as CSV: robot, t in seconds, x, y, z in the map's coordinates, to ``DECIMALS`` digits."""
     rows = ["robot,t,x,y,z"]
     for i, path in enumerate(plan.paths):
-        points = map_.points(cells_of(path.points, map_))
-        rows += [
-            f"{i},{t!r},{x!r},{y!r},{z!r}"
-            for t, (x, y, z) in zip(path.times.tolist(), points.tolist(), strict=True)
-        ]
+        table = np.column_stack([path.times, map_.points(cells_of(path.points, map_))]).round(DECIMALS)
+        rows += [f"{i},{t!r},{x!r},{y!r},{z!r}" for t, x, y, z in table.tolist()]
     return "\n".join((*rows, "")).encode()
 
 
