@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from antgym.cli import FleetFile
 
 DECIMALS = 9  # of times and places in a file: a nanosecond, and none of the binary digits behind it
+GROWN = "Walls are grown by the radius of a robot: its centre keeps that far from them."
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +129,11 @@ def files(found: Convoy) -> dict[Path, bytes]:
     written = {beside(stem, ".json"): (json.dumps(_record(found), indent=2) + "\n").encode()}
     if plan.solved:
         title = f"{plan.fleet.name}: {len(plan.paths)} robots, {plan.makespan:.3g} s, gap {plan.gap:.1%}"
-        down = found.map.frame.down
+        look = {"down": found.map.frame.down, "note": GROWN if found.command.radius else ""}
         written[beside(stem, ".csv")] = paths_csv(plan, found.map)
-        written[beside(stem, ".html")] = fleet_pictures.animation(plan, title, down)
+        written[beside(stem, ".html")] = fleet_pictures.animation(plan, title, **look)
         if found.command.picture:
-            written[beside(stem, ".png")] = fleet_pictures.strip(plan, title, found.command.frames, down)
+            written[beside(stem, ".png")] = fleet_pictures.strip(plan, title, found.command.frames, **look)
     return written
 
 

@@ -74,6 +74,22 @@ def test_a_strip_has_as_many_frames_as_asked_for(floor, tmp_path):
     assert widths[1] == 2 * widths[0]
 
 
+def test_discs_are_as_large_as_what_robots_keep_apart():
+    figure = pytest.importorskip("matplotlib.figure").Figure()
+    world = GridWorld(np.ones((5, 5)))
+    plan = plan_fleet([Scenario(world, (0, 0), (4, 4), Motion("grid8"))], (1.0, 2.0, 0.9, 300.0), apart=1)
+    axes = figure.subplots()
+    fleet_pictures._draw(axes, plan, 0.0)
+    (disc,) = axes.patches
+    assert (disc.radius, disc.get_linewidth()) == (0.5, 0)
+
+
+@pytest.mark.parametrize(("room", "said"), [(("--radius", 0.4), True), (("--apart", 0.8), False)])
+def test_the_page_says_where_walls_are_grown(floor, tmp_path, room, said):
+    run(floor, *ENDS, *FEW, *room, "--out", tmp_path / "way", "--no-picture")
+    assert ("Walls are grown by the radius" in (tmp_path / "way.html").read_text()) == said
+
+
 def test_where_nobody_gets_past_the_status_says_so_and_there_is_no_picture(tmp_path, capsys):
     write_map(tmp_path / "corridor.map", GridWorld(np.ones((9, 1)), (1.0, 1.0, 1.0)))
     ends = ("--starts", "0,0", "8,0", "--goals", "8,0", "0,0")
