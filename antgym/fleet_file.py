@@ -129,11 +129,13 @@ def files(found: Convoy) -> dict[Path, bytes]:
     written = {beside(stem, ".json"): (json.dumps(_record(found), indent=2) + "\n").encode()}
     if plan.solved:
         title = f"{plan.fleet.name}: {len(plan.paths)} robots, {plan.makespan:.3g} s, gap {plan.gap:.1%}"
-        look = {"down": found.map.frame.down, "note": GROWN if found.command.radius else ""}
+        down, note = found.map.frame.down, GROWN if found.command.radius else ""
         written[beside(stem, ".csv")] = paths_csv(plan, found.map)
-        written[beside(stem, ".html")] = fleet_pictures.animation(plan, title, **look)
+        written[beside(stem, ".html")] = fleet_pictures.animation(plan, title, down, note)
         if found.command.picture:
-            written[beside(stem, ".png")] = fleet_pictures.strip(plan, title, found.command.frames, **look)
+            written[beside(stem, ".png")] = fleet_pictures.strip(
+                plan, title, found.command.frames, down, note
+            )
     return written
 
 
