@@ -23,6 +23,9 @@ from antgym.planners.parameters import ColonyParameters
 if TYPE_CHECKING:
     from antgym.commands import FleetFile
 
+DECIMALS = 9  # of times and places in a file: a nanosecond, and none of the binary digits behind it
+GROWN = "Walls are grown by the radius of a robot: its centre keeps that far from them."
+
 
 @dataclass(frozen=True, eq=False)
 class Convoy:
@@ -126,23 +129,22 @@ def files(found: Convoy) -> dict[Path, bytes]:
     written = {beside(stem, ".json"): (json.dumps(_record(found), indent=2) + "\n").encode()}
     if plan.solved:
         title = f"{plan.fleet.name}: {len(plan.paths)} robots, {plan.makespan:.3g} s, gap {plan.gap:.1%}"
-        down = found.map.frame.down
+        down, note = found.map.frame.down, GROWN if found.command.radius else ""
         written[beside(stem, ".csv")] = paths_csv(plan, found.map)
-        written[beside(stem, ".html")] = fleet_pictures.animation(plan, title, down)
+        written[beside(stem, ".html")] = fleet_pictures.animation(plan, title, down, note)
         if found.command.picture:
-            written[beside(stem, ".png")] = fleet_pictures.strip(plan, title, found.command.frames, down)
+            written[beside(stem, ".png")] = fleet_pictures.strip(
+                plan, title, found.command.frames, down, note
+            )
     return written
 
 
 def paths_csv(plan: FleetPlan, map_: Map) -> bytes:
-    """Return timed way-points as CSV: robot, t in seconds, x, y, z in the map's coordinates."""
+    """Return timed way-points as CSV: robot, t in seconds, x, y, z in the map's coordinates, to ``DECIMALS`` digits."""
     rows = ["robot,t,x,y,z"]
     for i, path in enumerate(plan.paths):
-        points = map_.points(cells_of(path.points, map_))
-        rows += [
-            f"{i},{t!r},{x!r},{y!r},{z!r}"
-            for t, (x, y, z) in zip(path.times.tolist(), points.tolist(), strict=True)
-        ]
+        table = np.column_stack([path.times, map_.points(cells_of(path.points, map_))]).round(DECIMALS)
+        rows += [f"{i},{t!r},{x!r},{y!r},{z!r}" for t, x, y, z in table.tolist()]
     return "\n".join((*rows, "")).encode()
 
 

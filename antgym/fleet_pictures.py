@@ -31,7 +31,7 @@ def _hex(colour: Floats) -> str:
 _FLOOR, _WALL = _hex(LOW), _hex(HIGH)
 
 
-def strip(plan: FleetPlan, title: str, frames: int = FRAMES, down: bool = False) -> bytes:
+def strip(plan: FleetPlan, title: str, frames: int = FRAMES, down: bool = False, note: str = "") -> bytes:
     """Return a PNG of a solved plan from above, at equal intervals from when all start to when all have arrived.
 
     Robots are discs of half the distance that they keep, with their paths so far and, in the first frame, their goals.
@@ -41,6 +41,7 @@ def strip(plan: FleetPlan, title: str, frames: int = FRAMES, down: bool = False)
         title: above it.
         frames: 2 to 12.
         down: whether y counts from the top.
+        note: below it.
 
     Raises:
         MissingExtraError: if matplotlib is not installed.
@@ -65,6 +66,7 @@ def strip(plan: FleetPlan, title: str, frames: int = FRAMES, down: bool = False)
         )
         axes.set_title(f"{time:.3g} s", fontsize=10)
     figure.suptitle(title, fontsize=11)
+    figure.supxlabel(note, fontsize=9)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=90)
     return buffer.getvalue()
@@ -87,7 +89,8 @@ def _draw(axes: Any, plan: FleetPlan, time: float) -> None:
         axes.plot(*points[:, :2].T, color=colour, lw=1.6)
         if time == 0:
             axes.plot(*path.points[-1, :2], marker="x", ms=6, mew=2, color=colour, zorder=4)
-        axes.add_patch(Circle((here[0], here[1]), plan.fleet.apart / 2, color=colour, zorder=3))
+        # an edge line would make discs larger than the robots, and overlap where these just pass
+        axes.add_patch(Circle((here[0], here[1]), plan.fleet.apart / 2, color=colour, lw=0, zorder=3))
 
 
 def _one_colour() -> Any:
@@ -96,7 +99,7 @@ def _one_colour() -> Any:
     return ListedColormap([_WALL])
 
 
-def animation(plan: FleetPlan, title: str, down: bool = False) -> bytes:
+def animation(plan: FleetPlan, title: str, down: bool = False, note: str = "") -> bytes:
     """Return a page of HTML in which the robots of a solved plan move, over and over: one drawing, no script.
 
     Robots are where their timed paths have them at every moment, not only at some frames.
@@ -105,6 +108,7 @@ def animation(plan: FleetPlan, title: str, down: bool = False) -> bytes:
         plan: of a fleet.
         title: above it.
         down: whether y counts from the top.
+        note: below it.
 
     Raises:
         ParameterError: if the plan has no paths.
@@ -122,7 +126,7 @@ def animation(plan: FleetPlan, title: str, down: bool = False) -> bytes:
         f"<h1>{escape(title)}</h1>\n"
         f'<svg viewBox="0 0 {across:g} {along:g}" style="max-width: 100%; height: 80vh; background: {_FLOOR}">\n'
         f'<g{flip}>\n<path fill="{_WALL}" d="{_walls(plan.fleet)}"/>\n{robots}\n</g>\n</svg>\n'
-        f"<p>{plan.makespan:.4g} s, shown in {SECONDS:g} s.</p>\n</body></html>\n"
+        f"<p>{plan.makespan:.4g} s, shown in {SECONDS:g} s. {escape(note)}</p>\n</body></html>\n"
     ).encode()
 
 

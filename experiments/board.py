@@ -115,7 +115,7 @@ class Picture:
 
     Attributes:
         name: of the scenario.
-        heights: (nx, ny) heights of the ground in world units, or None for a world without a ground.
+        heights: (nx, ny) heights of the ground in world units, or None where ``free`` tells all of it.
         free: (nx, ny, nz) uint8, 1 where a cell is free.
         cell: edge lengths of a cell along x, y, z in world units.
         paths: (n, 3) cell indices by row name, whole or not; the exact optimum's under ``EXACT``.

@@ -53,10 +53,7 @@ def _picture(played: Round, names: set[str], item: SuiteItem, ledger: Ledger) ->
     if isinstance(scenario.world, DiscWorld):
         return _seen_from_above(item.name, scenario.world, paths, lengths)
     world = scenario.world
-    heights = (world.free == 0).sum(axis=2) * world.cell[2]
-    return Picture(
-        item.name, heights.astype(float), np.array(world.free), world.cell, paths, lengths, scenario.optimum
-    )
+    return Picture(item.name, None, np.array(world.free), world.cell, paths, lengths, scenario.optimum)
 
 
 def _walk(job: Job, outcome: Outcome) -> Plan | FleetPlan:

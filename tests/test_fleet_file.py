@@ -31,14 +31,15 @@ def run(floor, *arguments):
 
 def test_two_that_cross_are_planned_and_written(floor, tmp_path, capsys):
     out = tmp_path / "way"
-    assert run(floor, *ENDS, *FEW, "--apart", 1.2, "--speeds", 1, 0.5, "--out", out, "--no-picture") == 0
+    assert run(floor, *ENDS, *FEW, "--apart", 1.2, "--speeds", 0.7, 0.3, "--out", out, "--no-picture") == 0
     said = capsys.readouterr().out
-    assert "robots   2, 1.2 cells apart at least, at 1, 0.5 cells/s" in said
+    assert "robots   2, 1.2 cells apart at least, at 0.7, 0.3 cells/s" in said
     assert "status   solved" in said
     record = json.loads((tmp_path / "way.json").read_text())
     assert record["gap"] == pytest.approx(record["length"] / record["optimum"] - 1)
     assert (record["starts"], record["goals"]) == ([[0, 4, 0], [4, 0, 0]], [[8, 4, 0], [4, 8, 0]])
     rows = list(csv.DictReader((tmp_path / "way.csv").read_text().splitlines()))
+    assert max(len(row[axis].partition(".")[2]) for row in rows for axis in "txyz") <= 9
     points = [
         np.array([[float(row[axis]) for axis in "txyz"] for row in rows if row["robot"] == str(i)])
         for i in range(2)
@@ -73,6 +74,22 @@ def test_a_strip_has_as_many_frames_as_asked_for(floor, tmp_path):
         run(floor, *ENDS, *FEW, "--apart", 1, "--frames", frames, "--out", tmp_path / "way")
         widths.append(int.from_bytes((tmp_path / "way.png").read_bytes()[16:20], "big"))
     assert widths[1] == 2 * widths[0]
+
+
+def test_discs_are_as_large_as_what_robots_keep_apart():
+    figure = pytest.importorskip("matplotlib.figure").Figure()
+    world = GridWorld(np.ones((5, 5)))
+    plan = plan_fleet([Scenario(world, (0, 0), (4, 4), Motion("grid8"))], (1.0, 2.0, 0.9, 300.0), apart=1)
+    axes = figure.subplots()
+    fleet_pictures._draw(axes, plan, 0.0)
+    (disc,) = axes.patches
+    assert (disc.radius, disc.get_linewidth()) == (0.5, 0)
+
+
+@pytest.mark.parametrize(("room", "said"), [(("--radius", 0.4), True), (("--apart", 0.8), False)])
+def test_the_page_says_where_walls_are_grown(floor, tmp_path, room, said):
+    run(floor, *ENDS, *FEW, *room, "--out", tmp_path / "way", "--no-picture")
+    assert ("Walls are grown by the radius" in (tmp_path / "way.html").read_text()) == said
 
 
 def test_where_nobody_gets_past_the_status_says_so_and_there_is_no_picture(tmp_path, capsys):

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from antgym.envs.grid_pictures import GOAL, HIGH, LOW, START
+from antgym.envs.grid_pictures import HIGH, LOW, START
 from antgym.maps.fleet import Fleet
 from antgym.planners.fleet import FleetPlan, FleetRun
 from antgym.planners.timed import TimedPath
@@ -48,7 +48,10 @@ def pixels(fleet: Fleet, run: FleetRun | None) -> NDArray[np.float64]:
 
 
 def frame(fleet: Fleet, plan: FleetPlan | None, time: float) -> NDArray[np.float64]:
-    """Return one frame, (w, h, 3) in [0, 1]: where robots are after some seconds, and their paths so far."""
+    """Return one frame, (w, h, 3) in [0, 1]: where robots are after some seconds, and their paths so far.
+
+    Starts are green dots, goals crosses in the colour of the robot that goes there.
+    """
     blocked = (fleet.world.free == 0).any(axis=2)
     scale = max(1, SIDE // max(blocked.shape))
     image = (LOW + blocked[..., None] * (HIGH - LOW)).repeat(scale, axis=0).repeat(scale, axis=1)
@@ -56,19 +59,30 @@ def frame(fleet: Fleet, plan: FleetPlan | None, time: float) -> NDArray[np.float
     paths = plan.paths if plan is not None else ()
     for i, robot in enumerate(fleet.robots):
         colour = COLOURS[i % len(COLOURS)]
-        for cell, mark in ((robot.start, START), (robot.goal, GOAL)):
-            _disc(image, np.array(cell[:2]) + 0.5, np.full(2, 0.3), scale, mark)
+        _disc(image, np.array(robot.start[:2]) + 0.5, np.full(2, 0.3), scale, START)
+        _cross(image, np.array(robot.goal[:2]) + 0.5, scale, colour)
         if paths:
-            _line(image, _trail(paths[i], time, float(edges.min()) / scale) / edges, scale, colour)
+            _line(image, trail(paths[i], time, float(edges.min()) / scale) / edges, scale, colour)
         here = paths[i].at(time) if paths else fleet.world.centre(robot.start)
         _disc(image, here[:2] / edges, fleet.apart / 2 / edges, scale, colour)
     return image
 
 
-def _trail(path: TimedPath, time: float, spacing: float) -> NDArray[np.float64]:
-    """Return (n, 2) points of a path so far, about as far apart as ``spacing``, world units, where it moves evenly."""
-    count = max(2, int(np.ceil(path.length / spacing)))
-    return path.at(np.linspace(0.0, time, count))[:, :2]
+def trail(path: TimedPath, time: float, spacing: float) -> NDArray[np.float64]:
+    """Return (n, 2) points of a path so far, ``spacing`` apart at most, world units, wherever it waited."""
+    so_far = np.vstack([path.points[path.times < time], path.at(time)])[:, :2]
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(so_far, axis=0), axis=1))])
+    places = np.linspace(0.0, along[-1], 1 + int(np.ceil(along[-1] / spacing)))
+    return np.stack([np.interp(places, along, axis) for axis in so_far.T], axis=1)
+
+
+def _cross(
+    image: NDArray[np.float64], place: NDArray[np.float64], scale: int, colour: NDArray[np.float64]
+) -> None:
+    """Draw a cross about a place in cells."""
+    arm = np.linspace(-0.4, 0.4, 2 * scale)
+    for slope in (-1, 1):
+        _line(image, place + np.stack([arm, slope * arm], axis=1), scale, colour)
 
 
 def _line(

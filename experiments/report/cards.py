@@ -5,7 +5,7 @@ from html import escape
 from typing import Any
 
 from experiments.board import Board, Row
-from experiments.columns import percent
+from experiments.columns import NONE, percent
 from experiments.report.hues import Hue
 from experiments.report.marks import label, swatch
 
@@ -42,8 +42,8 @@ def _result(text: str, board: Board, row: Row) -> str:
 
 
 def definition(name: str, text: Any) -> str:
-    """Return a term and what is said of it."""
-    return f"<div><dt>{label(name)}</dt><dd>{escape(str(text))}</dd></div>"
+    """Return a term and what is said of it; a dash for what nobody knows."""
+    return f"<div><dt>{label(name)}</dt><dd>{escape(NONE if text is None else str(text))}</dd></div>"
 
 
 def flat(record: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from html import escape
 
-from experiments.board import Board, Row
+from experiments.board import EXACT, SBS, VBS, Board, Row
 from experiments.columns import COLUMNS, cells, percent
 from experiments.report.hues import Hue
 
@@ -17,8 +17,8 @@ PATHS = " <small>paths</small>"  # of a map that can be looked at
 
 
 def label(name: str) -> str:
-    """Escape a name, and let it break after underscores."""
-    return escape(name).replace("_", "_<wbr>")
+    """Escape a name, and let it break after underscores and colons."""
+    return escape(name).replace("_", "_<wbr>").replace(":", ":<wbr>")
 
 
 def swatch(hue: Hue) -> str:
@@ -99,8 +99,9 @@ def _bar(ends: tuple[float, float], top: float) -> str:
 
 
 def _backdrop(board: Board, ticks: list[float]) -> str:
-    references = [row.mean for row in board.rows if row.kind == "reference"]
-    lines = [("grid", tick) for tick in ticks] + [("aim", mean) for mean in references]
+    # a line for each reference would be a fence
+    aims = [row.mean for row in board.rows if row.name in (EXACT, SBS, VBS)]
+    lines = [("grid", tick) for tick in ticks] + [("aim", mean) for mean in aims]
     return "".join(
         f'<line class="{kind}" x1="{_at(value, ticks[-1])}" x2="{_at(value, ticks[-1])}" y1="0" y2="100%"/>'
         for kind, value in lines

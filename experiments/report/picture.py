@@ -12,7 +12,8 @@ from experiments.board import EXACT, Board, Picture
 
 Points = NDArray[np.float64]
 DECIMALS = 3
-FLATTEST = 0.3  # height of the drawn box over its longer side; flatter worlds are stretched to it
+FLATTEST = 0.3  # height of the drawn box over its longer side; flatter worlds are stretched towards it
+STEEPEST = 3.0  # factor by which heights are stretched at most: paths hide behind spikes
 DIAGONAL = 2.0  # of the drawn box, in plotly's units: what the camera below has in view
 CONTOURS = 12
 AT_FIRST = 3  # paths of agents shown before the reader asks for more
@@ -32,11 +33,11 @@ def drawn(board: Board, picture: Picture) -> list[str]:
 
 
 def stretch(picture: Picture) -> float:
-    """Return how much higher the picture draws heights than they are: 1, or more for a flat ground."""
+    """Return how much higher the picture draws heights than they are: 1, or up to ``STEEPEST`` for a flat ground."""
     width, depth, height = _extent(picture)
     if _heights(picture) is None:
         return 1.0
-    return float(max(1.0, FLATTEST * max(width, depth) / height))
+    return float(np.clip(FLATTEST * max(width, depth) / height, 1.0, STEEPEST))
 
 
 def _extent(picture: Picture) -> Points:
@@ -75,8 +76,9 @@ def _layout(picture: Picture) -> dict[str, Any]:
         for axis, title, edge in zip("xyz", ("x", "y", "height"), extent.tolist(), strict=True)
     }
     axes["zaxis"]["visible"] = picture.free.shape[2] > 1
+    flat = box[2] < FLATTEST / 2 * box[:2].max()  # seen from higher up, for its blocks would hide paths
     camera = {
-        "eye": {"x": -0.62, "y": -1.1, "z": 1.62},
+        "eye": {"x": -0.3, "y": -0.55, "z": 1.9} if flat else {"x": -0.62, "y": -1.1, "z": 1.62},
         "center": {"x": 0, "y": 0, "z": -0.2},
         "projection": {"type": "perspective"},
     }

@@ -10,6 +10,7 @@ from antgym.envs import fleet_pictures
 from antgym.errors import ParameterError
 from antgym.maps.fleet import Fleet
 from antgym.planners import fleet as fleets
+from antgym.planners.timed import TimedPath
 from antgym.tuning import Session
 from antgym.tuning.problem import TRIAL, TuningProblem, run_together
 from antgym.tuning.session import evaluate_together
@@ -122,6 +123,14 @@ def test_a_picture_is_a_strip_in_which_every_robot_goes_from_its_start_to_its_go
     first, last = (fleet_pictures.frame(fleet, plan, time) for time in (0.0, plan.makespan))
     scale = first.shape[0] // fleet.world.shape[0]
     for i, robot in enumerate(fleet.robots):
-        for image, cell in ((first, robot.start), (last, robot.goal)):
+        for image, cell in ((first, robot.start), (first, robot.goal), (last, robot.goal)):
             x, y, _ = (np.array(cell) * scale + scale // 2).tolist()
             assert image[x, y] == pytest.approx(fleet_pictures.COLOURS[i])
+
+
+def test_a_trail_has_no_gaps_where_a_robot_waited_or_arrived_long_ago():
+    path = TimedPath(np.array([[0.0, 0, 0], [3, 4, 0], [3, 4, 0], [3, 9, 0]]), np.array([0.0, 5, 50, 55]))
+    for time, length in ((0.0, 0.0), (5.0, 5.0), (52.0, 7.0), (500.0, 10.0)):
+        steps = np.linalg.norm(np.diff(fleet_pictures.trail(path, time, 0.1), axis=0), axis=1)
+        assert steps.max(initial=0.0) <= 0.1 + 1e-9
+        assert steps.sum() == pytest.approx(length)

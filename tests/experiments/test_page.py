@@ -11,13 +11,18 @@ import numpy as np
 import pytest
 from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row, small_site
 
+from antgym import load_suite
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
-from experiments.board import EXACT, Picture
+from experiments.board import EXACT, SBS, VBS, Picture
 from experiments.columns import COLUMNS, percent
+from experiments.pictures import draw
+from experiments.report.cards import definition
 from experiments.report.hues import hues
+from experiments.report.marks import intervals, label
 from experiments.report.page import write_site
 from experiments.report.picture import drawn, figure, stretch
 from experiments.report.titles import ahead
+from experiments.tracks import Round
 
 SCRIPTS = ["page.js", "sorting.js", "curves.js", "scene.js", "maps.js"]
 
@@ -93,6 +98,22 @@ def test_page_says_who_is_ahead_and_whether_that_is_sure():
     low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
     assert "<strong>a</strong> is ahead" in ahead(board(row("a", low), row("b", high)))
     assert "not told apart from <strong>b</strong>" in ahead(board(row("a", low), row("b", low)))
+
+
+def test_a_name_breaks_where_its_words_end_and_nowhere_within_them():
+    assert label("halving.py:Halving") == "halving.py:<wbr>Halving"
+    assert label("cma_es<") == "cma_<wbr>es&lt;"
+
+
+def test_what_a_card_does_not_know_is_a_dash():
+    assert definition("training trials", None) == "<div><dt>training trials</dt><dd>–</dd></div>"
+    assert definition("training trials", 0) == "<div><dt>training trials</dt><dd>0</dd></div>"
+
+
+def test_only_three_references_are_lines_across_the_intervals_of_all():
+    kinds = dict.fromkeys((EXACT, SBS, VBS, "random_search", "published_default"), "reference")
+    shown = board(*(row(name, kind=kind) for name, kind in kinds.items()), row("ga"))
+    assert intervals(shown, hues([shown])).count('class="aim"') == 3 * len(shown.rows)
 
 
 def test_site_loads_its_own_files_and_nothing_else(site):
@@ -288,3 +309,16 @@ def test_a_flat_world_is_drawn_as_blocks_and_not_stretched():
     walls, factor = ground([[[1], [0]], [[1], [1]]])
     assert len(walls["i"]) == 2 * 3  # two sides and a lid
     assert factor == 1
+
+
+def test_flat_ground_is_stretched_by_three_at_most():
+    free = np.ones((30, 30, 2), np.uint8)
+    free[3, 4, 0] = 0
+    assert ground(free)[1] == 3
+
+
+def test_rooms_of_a_board_are_drawn_as_blocks_that_hide_no_path():
+    items = load_suite("room-v0", "test")[:1]
+    (picture,) = draw(Round("A", 5, (), items, 1), [row(gaps=[[0.1]])], None)
+    assert figure(board(row()), picture)["ground"]["type"] == "mesh3d"
+    assert stretch(picture) == 1

@@ -3,8 +3,9 @@
 import shutil
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from boards import HOSTILE, recorded, small_site
+from boards import HOSTILE, recorded, row, small_site
 
 from experiments.report.page import write_site
 
@@ -38,7 +39,9 @@ expect.set_options(
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("site")
-    boards = [replace(one, title=HOSTILE) for one in small_site("ga", "pso", HOSTILE)]
+    *boards, control = (replace(one, title=HOSTILE) for one in small_site("ga", "pso", HOSTILE))
+    schedule = row("schedule", np.full((3, 2), 0.25))
+    boards.append(replace(control, rows=(*control.rows, schedule)))
     write_site(boards, recorded(boards, place), place)
     return place
 
@@ -95,11 +98,21 @@ def test_page_opens_from_a_disk_sorts_and_filters(page):
     expect(ranking(page)).to_have_text(["ga", "pso", HOSTILE, "exact planner"])
     page.get_by_label("agents", exact=True).fill("GA, exact")
     expect(ranking(page)).to_have_text(["ga", "exact planner"])
-    expect(page.locator("#filtered")).to_have_text("2 of 4")
+    expect(page.locator("#filtered")).to_have_text("2 of 5")
     expect(page.locator(".versus tbody tr:visible")).to_have_count(1)
     page.get_by_label("intervals").check()
     expect(page.locator(".versus:visible small")).to_have_count(6)
     expect(drawn(page, "profile")).to_have_count(1)
+    page.get_by_label("agents", exact=True).fill("zzz")
+    expect(page.locator("#filtered")).to_have_text("no agent matches")
+    for plot in ("anytime", "profile"):
+        expect(page.locator(f"#{plot} .annotation")).to_have_text("no agent matches")
+        expect(page.locator(f"#{plot} .xtick")).to_have_count(0)
+
+
+def test_profiles_go_in_steps_over_an_axis_with_numbers(page):
+    expect(page.locator("#profile .xtick text").nth(3)).to_be_visible()
+    assert page.evaluate("document.getElementById('profile')._fullData.at(-1).line.shape") == "hv"
 
 
 @pytest.mark.slow
@@ -109,9 +122,11 @@ def test_a_board_is_chosen_and_its_curves_are_drawn(page):
     for plot in ("anytime", "reached"):
         expect(page.locator(f"#{plot} .xtick text")).to_have_text(["0", "5"])
         expect(drawn(page, plot)).to_have_count(3)
+    expect(page.locator(".legend li", has_text="schedule")).to_be_hidden()  # it steers, and is in C alone
     page.locator("[data-choice=C-1]").click()
     for plot in ("anytime", "reached"):
         expect(page.locator(f"#{plot}")).to_be_hidden()  # one budget makes no curve
+    expect(page.locator(".legend li", has_text="schedule")).to_be_visible()
     expect(drawn(page, "profile")).to_have_count(3)
     pso = page.locator(".legend button", has_text="pso")
     pso.click()
@@ -181,6 +196,8 @@ def test_a_phone_scrolls_tables_and_not_the_page(page):
     assert page.locator(".scroller:has(.ranking):visible").evaluate(
         "node => node.scrollWidth > node.clientWidth"
     )
+    page.set_viewport_size({"width": 320, "height": 640})  # the links to the boards are wider than that
+    assert page.evaluate("document.documentElement.scrollWidth") <= 320
 
 
 @pytest.mark.slow

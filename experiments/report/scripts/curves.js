@@ -17,9 +17,13 @@
     return { title: { text: title, standoff: 8 }, ticks: "outside", tickcolor: colour("rule"), ...line, ...more };
   }
 
-  function layout(xaxis, yaxis) {
+  // axes around nothing would say that there is something
+  function layout(xaxis, yaxis, drawn) {
+    const why = site.agents.some(({ kept }) => kept) ? "no curve is chosen" : "no agent matches";
+    const note = { text: why, xref: "paper", yref: "paper", x: 0.5, y: 0.5, showarrow: false, font: { size: 14 } };
+    const visible = drawn.length > 0;
     return {
-      xaxis, yaxis, showlegend: false, hovermode: "closest", margin: { l: 48, r: 12, t: 10, b: 44 },
+      xaxis: { ...xaxis, visible }, yaxis: { ...yaxis, visible }, annotations: visible ? [] : [note], showlegend: false, hovermode: "closest", margin: { l: 48, r: 12, t: 10, b: 44 },
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
       font: { color: colour("muted"), family: getComputedStyle(document.body).fontFamily, size: 12 },
       hoverlabel: { bgcolor: colour("raised"), bordercolor: colour("rule"), font: { color: colour("ink") } },
@@ -34,11 +38,11 @@
   const percent = (values) => values.map((value) => 100 * value);
   const escaped = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;"); // plotly reads some markup in names
 
-  function line({ agent }, x, y, more) {
+  function line({ agent }, x, y, more, shape = "linear") {
     const { name, colour: hue, dash } = site.agents[agent];
     const opacity = pointed === null || agent === pointed ? 1 : 0.25;
     const width = agent === pointed ? 3.5 : 2;
-    return { type: "scatter", name: escaped(name), x, y, opacity, line: { color: colour(hue), width, dash, shape: "linear" }, ...more };
+    return { type: "scatter", name: escaped(name), x, y, opacity, line: { color: colour(hue), width, dash, shape }, ...more };
   }
 
   function band({ agent, lows, highs }, x) {
@@ -50,8 +54,7 @@
   // a logarithm has no place for a budget of 0: it stands one step left of the smallest other one
   const placed = (budget, least) => (budget > 0 ? budget : least / 3);
 
-  function budgetTraces(curves, least, what) {
-    const drawn = curves.filter(isDrawn);
+  function budgetTraces(drawn, least, what) {
     const x = ({ budgets }) => budgets.map((budget) => placed(budget, least));
     const hovertemplate = `%{fullData.name}: %{y:.1f} %${what}<br>%{customdata} trials<extra></extra>`;
     const lines = drawn.map((curve) => {
@@ -73,8 +76,16 @@
     const ticks = { tickvals: budgets.map((budget) => placed(budget, least)), ticktext: budgets.map(String) };
     figure.querySelector(".track-note").textContent =
       `Track ${track}.${budgets[0] === 0 ? " No trial stands at the left edge of the logarithmic axis." : ""}`;
-    const shape = layout(axis("trials on a new map", { type: "log", ...ticks }), yaxis);
-    Plotly.react(plot, budgetTraces(curves, least, what), shape, options);
+    const drawn = curves.filter(isDrawn);
+    const shape = layout(axis("trials on a new map", { type: "log", ...ticks }), yaxis, drawn);
+    Plotly.react(plot, budgetTraces(drawn, least, what), shape, options);
+  }
+
+  // as many as a logarithmic axis has room for, however little of it there is
+  function roundNumbers(low, high) {
+    const factors = high > 10 * low ? [1, 2, 5] : high > 3 * low ? [1, 1.5, 2, 3, 4, 5, 7] : [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9];
+    const all = [-1, 0, 1, 2].flatMap((power) => factors.map((factor) => Number((factor * 10 ** power).toPrecision(2))));
+    return all.filter((number) => low <= number && number <= high);
   }
 
   function drawProfile() {
@@ -84,10 +95,23 @@
     const x = percent(profile.gaps);
     const hovertemplate = "%{fullData.name}: %{y:.0f} % of runs<br>within a gap of %{x:.1f} %<extra></extra>";
     const drawn = profile.rows.filter(isDrawn);
-    const lines = drawn.map((row) => line(row, x, percent(row.shares), { mode: "lines", hovertemplate }));
+    const lines = drawn.map((row) => line(row, x, percent(row.shares), { mode: "lines", hovertemplate }, "hv"));
     const around = pointed === null ? [] : banded(drawn).map((row) => band(row, x));
-    const ticks = { tickvals: [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100], type: "log", range: [Math.log10(x[0]), Math.log10(x.at(-1))] };
-    Plotly.react("profile", [...around, ...lines], layout(axis("gap, %", ticks), axis("runs within it, %", { range: [0, 102] })), options);
+    const [low, high] = [x[0], x.at(-1)];
+    const tickvals = roundNumbers(low, high);
+    const ticks = { tickvals, ticktext: tickvals.map(String), type: "log", range: [Math.log10(low), Math.log10(high)] };
+    const shape = layout(axis("gap, %", ticks), axis("runs within it, %", { range: [0, 102] }), drawn);
+    Plotly.react("profile", [...around, ...lines], shape, options);
+  }
+
+  // a board's legend holds no name that has no curve on it
+  function offer() {
+    const { track, profile } = site.boards[antgym.route.board];
+    const there = new Set([...site.anytime[track], ...(profile?.rows ?? [])].map(({ agent }) => agent));
+    for (const item of legend.children) {
+      const agent = Number(item.dataset.agent);
+      item.hidden = !site.agents[agent].kept || !there.has(agent);
+    }
   }
 
   let due = false;
@@ -98,6 +122,7 @@
     due = true;
     requestAnimationFrame(() => {
       due = false;
+      offer();
       drawOverBudgets("anytime", "", axis("mean gap, %", { rangemode: "tozero" }));
       drawOverBudgets("reached", " of targets", axis("targets reached, %", { range: [0, 102] }));
       drawProfile();

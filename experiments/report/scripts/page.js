@@ -40,7 +40,8 @@ const antgym = (() => {
     const kept = passes(words);
     site.agents.forEach((agent, i) => { agent.kept = kept[i]; });
     for (const node of document.querySelectorAll("[data-agent]")) node.hidden = !kept[Number(node.dataset.agent)];
-    document.getElementById("filtered").textContent = words.length ? `${kept.filter(Boolean).length} of ${kept.length}` : "";
+    const count = kept.filter(Boolean).length;
+    document.getElementById("filtered").textContent = words.length === 0 ? "" : count ? `${count} of ${kept.length}` : "no agent matches";
     tell("filter");
   }
 

@@ -46,7 +46,7 @@ antgym.scene = (() => {
 
   function listPaths() {
     toggles.replaceChildren(...picture.paths.map(({ agent, note }, i) => {
-      const named = element("span", { class: "name" }, site.agents[agent].name.replaceAll("_", "_\u200b")); // may break there
+      const named = element("span", { class: "name" }, site.agents[agent].name.replace(/[_:]/g, "$&\u200b")); // may break there
       const button = element("button", { type: "button" }, swatch(site.agents[agent]), named, element("span", { class: "note" }, note));
       button.addEventListener("click", () => toggle(picture.lines[i]));
       return element("li", {}, button);
