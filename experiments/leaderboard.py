@@ -23,7 +23,7 @@ from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, digest_of
 from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
-from experiments.artefacts import prepare
+from experiments.artefacts import prepare, trained_hashes
 from experiments.board import Track
 from experiments.contest import Entrant, enter, foreign_files
 from experiments.presets import PRESETS, Preset
@@ -200,7 +200,7 @@ def board_jobs(plan: Plan, rounds: Sequence[Round]) -> list[Job]:  # noqa: ARG00
 
 def pins(arguments: Arguments) -> dict[str, str]:
     """Return the hashes of the files that the entrants of a board are, by name."""
-    files = provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+    files = trained_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
     return files | foreign_files(arguments.agents)
 
 

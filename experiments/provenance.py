@@ -37,11 +37,6 @@ def file_hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
 
 
-def file_hashes(folder: Path) -> dict[str, str]:
-    """Return the hashes of the files in a folder by name."""
-    return {path.name: file_hash(path) for path in sorted(folder.iterdir())}
-
-
 def versions(names: Iterable[str]) -> dict[str, str]:
     """Return the versions that the results of some agents depend on."""
     found = {"antgym": antgym.__version__, "kernels": sources_hash(), "python": platform.python_version()}

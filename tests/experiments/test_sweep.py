@@ -14,7 +14,7 @@ from antgym.errors import LedgerError, ParameterError
 from antgym.tuning.ledger import MANIFEST, TRIALS
 from antgym.tuning.traces import read_trace
 from experiments import leaderboard
-from experiments.artefacts import prepare
+from experiments.artefacts import MADE, prepare
 from experiments.orders import asked
 from experiments.presets import PRESETS, Preset
 from experiments.status import survey, to_lists
@@ -30,9 +30,10 @@ BACKENDS = ("loky", "dask")
 
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory):
-    """Files of the agents that are on every board, as small as they come."""
+    """Files of the agents that are on every board, as small as they come, for boards of any preset."""
     folder = tmp_path_factory.mktemp("trained")
     prepare(folder, "mountain-v0", TINY, ALWAYS)
+    (folder / MADE).unlink()
     return folder
 
 
