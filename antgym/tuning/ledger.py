@@ -17,6 +17,7 @@ would round them; schema 1 wrote them as numbers. A ledger goes on in the schema
 
 import fcntl
 import json
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
@@ -132,7 +133,8 @@ class Ledger:
         traces: whether runs leave traces, see :mod:`antgym.tuning.traces`.
 
     Raises:
-        LedgerError: if the folder belongs to another config or schema, is in use, or holds a damaged line.
+        LedgerError: if the folder belongs to another config or schema, is in use, or holds a damaged line, or trials
+            without a manifest.
     """
 
     def __init__(
@@ -154,6 +156,7 @@ class Ledger:
                 self._timing = files.enter_context((self.folder / TIMING).open("a+b", buffering=0))
             except OSError as error:
                 raise LedgerError(f"{self.folder} cannot hold a ledger: {error}") from None
+            self._require_manifest()
             self._manifest = Manifest(self.folder, config, versions, facts or {})
             mend(self._timing)
             self._runs: dict[str, LedgerRun] = {}
@@ -250,6 +253,14 @@ class Ledger:
         for then in self._held.then:
             then()
         append(self._timing, self._held.timing)
+
+    def _require_manifest(self) -> None:
+        """Refuse trials of which nothing says what they are of: any config could be taken for theirs."""
+        if os.fstat(self._trials.fileno()).st_size and not (self.folder / MANIFEST).exists():
+            raise LedgerError(
+                f"{self.folder} holds {TRIALS} without the {MANIFEST} that says what was run; put it back, or use "
+                "another folder"
+            )
 
     def _lock(self) -> None:
         try:

@@ -58,6 +58,17 @@ def test_seeds_are_kept_to_the_bit_by_readers_that_round_numbers(tmp_path):
     assert read_runs(tmp_path)["a/3/valley/0"].records == [record(0)]
 
 
+def test_trials_without_a_manifest_are_nobodys(tmp_path):
+    """Any config could take them for its own."""
+    write_part(tmp_path)
+    (tmp_path / MANIFEST).unlink()
+    with pytest.raises(LedgerError, match=r"holds trials\.jsonl without the manifest\.json"):
+        opened(tmp_path, {"budget": 100})
+    (tmp_path / TRIALS).write_text("")  # as where a crash came before the manifest
+    with opened(tmp_path, {"budget": 100}) as ledger:
+        assert not list(ledger.runs())
+
+
 def test_a_ledger_of_schema_1_is_read(old):
     runs = read_runs(old)
     first, second = runs["ga/3/valley/0"], runs["ga/3/valley/1"]
