@@ -137,6 +137,8 @@ def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
     """Return the maps of a board, under rules that agents can learn of."""
     maps = preset.scenarios if arguments.maps is None else arguments.maps
     items = find_items(arguments.suite, arguments.split)[:maps]
+    if "C" in arguments.track:
+        steerable(items)
     lacking = {item.rules for item in items} - set(find_items(arguments.suite, "train").rules)
     if lacking:
         raise ParameterError(

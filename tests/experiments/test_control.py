@@ -129,6 +129,7 @@ def test_a_policy_that_was_changed_meanwhile_is_refused(asked, tmp_path):
         ((), {"seeds": 0}, "--seeds 0"),
         ((), {"against": "best_statics"}, "unknown agent 'best_statics'"),
         (("schedule",), {"suite": "no-v0"}, "no-v0"),
+        ((), {"suite": "fleet-v0"}, "is a fleet"),
     ],
 )
 def test_what_cannot_be_raced_is_one_clear_error(asked, controllers, others, message):

@@ -174,6 +174,7 @@ def test_another_set_of_agents_needs_another_folder(board):
         ({"budgets": (-1,), "track": ("B",)}, "--budgets -1"),
         ({"controllers": ("steer",)}, "add --track C"),
         ({"suite": "no/folder"}, "no such folder"),
+        ({"suite": "fleet-v0", "split": "test", "track": ("A", "C")}, "is a fleet, .* leave track C out"),
     ],
 )
 def test_what_no_board_can_be_made_of_is_refused_before_anything_is_written(tmp_path, others, message):
