@@ -72,7 +72,7 @@ def race(arguments: Arguments) -> str:
     names = list(dict.fromkeys([arguments.against, *arguments.controllers]))
     items = _items(arguments)
     config = {
-        "sources": provenance.code_hash(),
+        "sources": provenance.code_hash(*provenance.CONTEST),
         "suite": arguments.suite,
         "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],

@@ -104,7 +104,7 @@ def plan_board(arguments: Arguments) -> Plan:
     preset = PRESETS[arguments.preset]
     items = _items(arguments, preset)
     config = {
-        "code": provenance.code_hash(),
+        "code": provenance.code_hash(*provenance.CONTEST),
         "preset": arguments.preset,
         **preset._asdict(),
         "suite": arguments.suite,
@@ -112,6 +112,7 @@ def plan_board(arguments: Arguments) -> Plan:
         "maps": [item.scenario.digest[:16] for item in items],
         "split_hash": digest_of(items),  # with efforts and rules
         "agents": list(arguments.agents),
+        "call_seconds": arguments.call_seconds,  # decides failures
     }
     names = [*names_of(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)

@@ -110,7 +110,7 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
             name: getattr(arguments, name)
             for name in ("suite", "split", "seeds", "budgets", "fresh", "agents")
         },
-        "sources": provenance.code_hash(),
+        "sources": provenance.code_hash(*provenance.CONTEST),
         "maps": [item.scenario.digest[:16] for item in items],
     }
     versions = provenance.versions(arguments.agents)
