@@ -5,7 +5,6 @@ agents think meanwhile, as a ledger says that was timed. Runs of a board wait fo
 work divided by their number, but no less than the longest run; training comes first, and takes what it takes.
 """
 
-import json
 import time
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,13 +21,13 @@ from antgym.envs.scenarios import find_items
 from antgym.errors import LedgerError
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING
-from antgym.tuning.lines import read
+from antgym.tuning.lines import read_fields
 from antgym.tuning.problem import TRIAL, TuningProblem
 from experiments import contest, leaderboard
 from experiments.artefacts import REPEATS, files_needed, problem
 from experiments.presets import Preset
 from experiments.tables.sheet import table
-from experiments.tracks import Job, Round
+from experiments.tracks import Job, Round, agents_in, read_key
 
 CORES = (1, 100, 10_000)
 MEASURED = 8  # settings that a run is timed with on every map
@@ -107,10 +106,12 @@ def _thought(job: Job, thought: Thought) -> float:
 def read_thought(folder: Path) -> Thought:
     """Return the mean seconds that agents thought in a ledger's runs; LedgerError where it has none."""
     found: dict[tuple[str, int], list[float]] = defaultdict(list)
-    for line in map(json.loads, read(folder / TIMING)):
-        name, budget, *_ = line["run"].split("/")
-        if "tuner" in line and budget.isdecimal():
-            found[name, int(budget)].append(line["tuner"])
+    names = agents_in(folder)
+    for line in read_fields(folder / TIMING, "run"):
+        if "tuner" in line:  # else it is the exact planner's
+            key = read_key(line["run"], names)
+            if key.budget is not None:
+                found[key.agent, key.budget].append(line["tuner"])
     if not found:
         raise LedgerError(
             f"--timed {folder}: there are no seconds of agents in {TIMING}; name a board that was played"

@@ -1,6 +1,5 @@
 """From a ledger to the rows of a board: what every entrant achieved, and the two bounds, exact and virtual best."""
 
-import json
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -14,6 +13,7 @@ from antgym.maps.discs import DiscWorld
 from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, LedgerRun
+from antgym.tuning.lines import read_fields
 from experiments.board import EXACT, VBS, Row
 from experiments.bound import candidates, virtual_best
 from experiments.contest import failures
@@ -137,9 +137,7 @@ def _paid(rounds: Sequence[Round], ledger: Ledger) -> int:
 def read_clocks(folder: Path) -> Clocks:
     """Return the seconds of every run, as far as sessions came to its end: a killed one leaves none."""
     total: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
-    path = folder / TIMING
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
-        fields: dict[str, Any] = json.loads(line)
+    for fields in read_fields(folder / TIMING, "run"):
         key = fields.pop("run")
         for name, value in fields.items():
             total[key][name] += value

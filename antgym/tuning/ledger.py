@@ -16,7 +16,6 @@ would round them; schema 1 wrote them as numbers. A ledger goes on in the schema
 """
 
 import fcntl
-import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
@@ -37,7 +36,7 @@ from antgym.tuning.kept import (
     read_runs,
     trial_fields,
 )
-from antgym.tuning.lines import append, mend, read
+from antgym.tuning.lines import append, mend, read_fields
 from antgym.tuning.manifest import MANIFEST, SCHEMA, Manifest, read_manifest
 from antgym.tuning.session import Record
 from antgym.tuning.traces import copy_traces, write_trace
@@ -214,7 +213,7 @@ class Ledger:
         copy_traces(folder, self.folder)
         self.write(lines, lambda: self._enter(lines))
         done = {line["run"] for line in lines if line["kind"] == "outcome"}
-        timing = [json.loads(line) for line in read(folder / TIMING)]
+        timing = read_fields(folder / TIMING, "run")
         self.write_timing(*(line for line in timing if line["run"] in done))
 
     def _enter(self, lines: Sequence[Mapping[str, Any]]) -> None:

@@ -35,6 +35,29 @@ def read(path: Path) -> list[bytes]:
     return lines
 
 
+def read_fields(path: Path, *needed: str) -> list[dict[str, Any]]:
+    """Return the lines of a file as objects, as :func:`read` does.
+
+    Args:
+        path: of the file.
+        needed: names of fields that every line has.
+
+    Raises:
+        LedgerError: with its number, if a line is no such object.
+    """
+    found: list[dict[str, Any]] = []
+    for number, line in enumerate(read(path), start=1):
+        try:
+            fields = json.loads(line)
+            lacking = sorted({*needed} - {*fields.keys()})
+            if lacking:
+                raise ValueError(f"it lacks {', '.join(lacking)}")
+        except (ValueError, AttributeError) as error:
+            raise LedgerError(f"{path}, line {number} is damaged ({error}); remove this line") from None
+        found.append(fields)
+    return found
+
+
 def _whole(data: bytes) -> tuple[list[bytes], int]:
     end = data.rfind(b"\n") + 1
     return data[:end].splitlines(), len(data) - end

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from antgym.errors import AntgymError
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, Outcome
 from experiments import contest
 from experiments.bound import candidates, virtual_best
-from experiments.tracks import Round, budgets_of, jobs, per_map
+from experiments.tracks import Round, budgets_of, jobs, per_map, read_key
 
 NAMES = {
     "rl": "agent",
@@ -33,6 +34,28 @@ ENTRANTS = tuple(contest.Entrant(name, kind, "", None, 0) for name, kind in NAME
 )
 def test_budgets_of_a_track(track, largest, asked, budgets):
     assert budgets_of(track, largest, asked) == budgets
+
+
+@pytest.mark.parametrize(
+    ("key", "parts"),
+    [
+        ("ga/20/mountain-v0/ood/3/1", ("ga", 20, "mountain-v0/ood/3", 1)),
+        ("ga/20/32room.map.scen:5/0", ("ga", 20, "32room.map.scen:5", 0)),
+        ("ga/7/0", ("ga", None, "7", 0)),
+        ("ga/20//data/x.map/0", ("ga", 20, "/data/x.map", 0)),
+        ("my/a.py:A/0/flat/12", ("my/a.py:A", 0, "flat", 12)),
+        ("my/a.py:A/flat/12", ("my/a.py:A", None, "flat", 12)),
+        ("my/a.py:A/deep/20/flat/12", ("my/a.py:A/deep", 20, "flat", 12)),
+    ],
+)
+def test_a_key_is_read_as_it_was_made(key, parts):
+    assert read_key(key, ["my/a.py:A", "my/a.py:A/deep"]) == parts
+
+
+@pytest.mark.parametrize("key", ["exact planner", "exact planner/flat", "ga/20/flat/first"])
+def test_what_no_contest_calls_a_run_is_no_key(key):
+    with pytest.raises(AntgymError, match="is none of a contest"):
+        read_key(key, [])
 
 
 def test_on_track_b_who_did_not_learn_is_there_to_compare_with():
