@@ -84,11 +84,22 @@ def ledgers_below(folder: Path) -> list[Path]:
 
 
 def survey(folders: Iterable[Path]) -> list[Standing]:
-    """Return how boards and sweeps stand, one for every config; ledgers that cannot tell theirs stand together."""
-    boards: dict[str, list[Holding]] = {}
-    for ledger in dict.fromkeys(path for folder in folders for path in ledgers_below(folder)):
-        boards.setdefault(_config(ledger), []).append(_holding(ledger))
-    return [_standing(found) for found in boards.values()]
+    """Return how boards and sweeps stand, one for every config; ledgers that cannot tell theirs stand together.
+
+    What was asked of a sweep is asked where its folder is looked at, but not where one of its shards is.
+    """
+    orders: dict[Path, dict[Path, None]] = {}
+    for folder in folders:
+        for ledger in ledgers_below(folder):
+            within = [path for path in (*reversed(ledger.parents), ledger) if path.is_relative_to(folder)]
+            orders.setdefault(ledger, {}).update(dict.fromkeys(within))
+    boards: dict[str, dict[Path, Holding]] = {}
+    for ledger in orders:
+        boards.setdefault(_config(ledger), {})[ledger] = _holding(ledger)
+    return [
+        _standing(list(found.values()), dict.fromkeys(path for ledger in found for path in orders[ledger]))
+        for found in boards.values()
+    ]
 
 
 def _config(folder: Path) -> str:
@@ -107,14 +118,15 @@ def _holding(folder: Path) -> Holding:
         return Holding(folder, runs, damage=str(error))
 
 
-def _standing(holdings: list[Holding]) -> Standing:
+def _standing(holdings: list[Holding], ordering: Iterable[Path]) -> Standing:
+    """Return how the runs of some ledgers stand that were asked of some folders."""
     standing = Standing(holdings)
     copies: dict[str, list[tuple[Path, KeptRun]]] = {}
     for holding in holdings:
         for key, run in holding.runs.items():
             copies.setdefault(key, []).append((holding.folder, run))
     reasons = {key: why for holding in holdings for key, why in holding.reasons.items()}
-    orders = dict.fromkeys(key for holding in holdings for key in asked(holding.folder))
+    orders = dict.fromkeys(key for folder in ordering for key in asked(folder))
     standing.asked = list(orders) or list(copies)
     for key, places in copies.items():
         ended = [(folder, run) for folder, run in places if run.outcome is not None]

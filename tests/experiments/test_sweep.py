@@ -137,6 +137,16 @@ def test_merging_says_what_is_missing_and_counts_once_what_two_shards_hold(tiny,
     assert sorted_lines(tmp_path / "board") == sorted_lines(tmp_path / "board" / "shards" / "1-of-1")
 
 
+def test_a_shard_that_is_done_stands_whole_and_its_sweep_lacks_the_others(tiny, tmp_path):
+    given = tiny("board")
+    sweep(replace(given, shard="1/2"))
+    (shard,) = survey([Shard(1, 2).folder(tmp_path / "board")])
+    assert (shard.whole, len(shard.asked)) == (True, RUNS // 2)
+    (standing,) = survey([tmp_path / "board"])  # where no ledger is
+    assert (len(standing.finished), len(standing.missing)) == (RUNS // 2, RUNS // 2)
+    assert standing.finished == shard.finished
+
+
 @pytest.mark.parametrize("count", [1, 2, 7, 50])
 def test_shards_share_every_run_out_once(count):
     keys = [f"agent-{i % 4}/100/map/{i}" for i in range(40)]
