@@ -77,14 +77,14 @@ class LedgerRun(KeptRun):
         """Let what is written within be one write of the ledger, of this run and of others."""
         return self._ledger.hold()
 
-    def lacks(self, other: KeptRun) -> list[dict[str, Any]]:
-        """Return the lines of what another ledger holds more of this run; LedgerError where the two do not agree."""
+    def lacks(self, other: KeptRun, folder: Path) -> list[dict[str, Any]]:
+        """Return the lines of what a folder's ledger holds more of this run; LedgerError where they do not agree."""
         shorter, longer = sorted((self, other), key=lambda run: (run.outcome is not None, len(run.records)))
         known = len(shorter.records) if shorter.outcome is None else len(longer.records)
         if longer.records[:known] != shorter.records or shorter.outcome not in (None, longer.outcome):
             raise LedgerError(
-                f"run {self.key!r} is another one in {self._ledger.folder} than in what should be merged with it; "
-                "one of the two was made with other code or libraries"
+                f"run {self.key!r} is another one in {self._ledger.folder} than in {folder}; one of the two was made "
+                "with other code or libraries: remove its lines there and play it again"
             )
         lines = self._trial_lines(other.records[len(self.records) :])
         if self.outcome is None and other.outcome is not None:
@@ -208,7 +208,9 @@ class Ledger:
         """
         manifest = read_manifest(folder)
         self._manifest.require_part(manifest, folder)
-        lines = [line for part in read_runs(folder).values() for line in self.run(part.key).lacks(part)]
+        lines = [
+            line for part in read_runs(folder).values() for line in self.run(part.key).lacks(part, folder)
+        ]
         self._manifest.take_in(manifest)
         copy_traces(folder, self.folder)
         self.write(lines, lambda: self._enter(lines))
