@@ -40,12 +40,18 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
         success=float(np.mean([np.isfinite(outcome.lengths).mean() for outcome in outcomes])),
         deploy=0.0 if steered else float(np.mean([len(run.records) for run in runs])),
         training=entrant.training,
-        tuner_seconds=float(np.mean([clock.get("tuner", 0.0) for clock in spent])),
-        planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in spent])),
+        tuner_seconds=_seconds("tuner", spent),
+        planner_seconds=_seconds("planner", spent),
         optimism=None if steered else _optimism(jobs, runs),
         card=_card(entrant),
         failure=failure,
     )
+
+
+def _seconds(name: str, spent: Sequence[Mapping[str, float]]) -> float | None:
+    """Return the mean over the runs whose seconds are there, None where none are: a killed process leaves none."""
+    known = [clock[name] for clock in spent if name in clock]
+    return float(np.mean(known)) if known else None
 
 
 def _optimism(jobs: Sequence[Job], runs: Sequence[LedgerRun]) -> float | None:

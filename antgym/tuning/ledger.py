@@ -253,7 +253,7 @@ class Ledger:
         append(self._trials, self._held.trials)
         for then in self._held.then:
             then()
-        append(self._timing, self._held.timing)
+        append(self._timing, self._held.timing, "the trials of this batch are kept, their seconds are not")
 
     def _require_manifest(self) -> None:
         """Refuse trials of which nothing says what they are of: any config could be taken for theirs."""

@@ -63,8 +63,10 @@ def _whole(data: bytes) -> tuple[list[bytes], int]:
     return data[:end].splitlines(), len(data) - end
 
 
-def append(file: FileIO, lines: Sequence[Mapping[str, Any]]) -> None:
-    """Add lines and wait for the disk; where that fails, the file is what it was before."""
+def append(
+    file: FileIO, lines: Sequence[Mapping[str, Any]], lost: str = "nothing of this batch is kept"
+) -> None:
+    """Add lines and wait for the disk; where that fails, the file is what it was before, and what is lost is said."""
     if not lines:
         return
     before = file.seek(0, os.SEEK_END)
@@ -76,8 +78,10 @@ def append(file: FileIO, lines: Sequence[Mapping[str, Any]]) -> None:
     except BaseException as error:
         file.truncate(before)
         if isinstance(error, OSError):
-            advice = "nothing of this batch is kept; make room and give the same command again"
-            raise LedgerError(f"{file.name!s} cannot be written: {error.strerror}; {advice}") from None
+            advice = "make room and give the same command again"
+            raise LedgerError(
+                f"{file.name!s} cannot be written: {error.strerror}; {lost}; {advice}"
+            ) from None
         raise
 
 

@@ -4,6 +4,7 @@ import json
 import logging
 
 import pytest
+from full_disk import most_bytes
 
 from antgym.errors import LedgerError
 from antgym.tuning.ledger import MANIFEST, TIMING, TRIALS, Ledger, Outcome, read_runs
@@ -174,6 +175,23 @@ def test_what_is_held_is_written_when_the_outermost_block_ends(tmp_path):
             OUTCOME,
             ['{"run":"b","tuner":1.0}'],
         )
+
+
+def test_a_disk_too_full_for_seconds_loses_no_trial(tmp_path):
+    with opened(tmp_path) as ledger:
+        run = ledger.run("a")
+        for _ in range(50):
+            run.time(tuner=1.0)
+        before = (tmp_path / TIMING).stat().st_size
+        with (
+            most_bytes(before),
+            pytest.raises(LedgerError, match="the trials of this batch are kept"),
+            run.hold(),
+        ):
+            run.append([record(0)])
+            run.time(tuner=1.0)
+        assert (run.records, (tmp_path / TIMING).stat().st_size) == ([record(0)], before)
+    assert read_runs(tmp_path)["a"].records == [record(0)]
 
 
 def interrupted(run):

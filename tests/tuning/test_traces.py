@@ -1,27 +1,14 @@
 """Traces: there as a whole or not at all, and one that is damaged is named."""
 
-import resource
-from contextlib import contextmanager
-
 import numpy as np
 import pytest
+from full_disk import most_bytes
 
 from antgym.errors import LedgerError
 from antgym.tuning.traces import TRACES, copy_traces, read_trace, trace_path, write_trace
 
 KEY = "ga/5/valley/0"
 BEST = np.array([[np.inf, 12.5, 12.25], [14.0, 14.0, 11.0]])
-
-
-@contextmanager
-def most_bytes(size):
-    """Let no file grow beyond a size, as if the disk were full."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.fixture
