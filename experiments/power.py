@@ -73,9 +73,9 @@ def read_ledger(folder: Path, budget: int | None) -> Measured:
     found = defaultdict(lambda: defaultdict(dict))
     names = agents_in(folder)
     for key, run in read_runs(folder).items():
-        agent, spent, *at = read_key(key, names)
         if run.outcome is not None:
-            found[spent][agent][*at] = float(np.mean(run.outcome.gaps))
+            agent, spent, place, seed = read_key(key, names)
+            found[spent][agent][place, seed] = float(np.mean(run.outcome.gaps))
     chosen = _choose(list(found), budget, folder)
     runs = found[chosen]
     every = {at for own in runs.values() for at in own}

@@ -45,8 +45,8 @@ def imported_beside(file: Path) -> list[Path]:
         finder.run_script(str(file))
     except (OSError, SyntaxError, ValueError):
         return []  # nor can it be played, which is told there
-    found = {Path(module.__file__) for module in finder.modules.values() if module.__file__}
-    return sorted(found - {file})
+    found = (getattr(module, "__file__", None) for module in finder.modules.values())
+    return sorted({Path(path) for path in found if path} - {file})
 
 
 def file_hash(path: Path) -> str:

@@ -8,6 +8,7 @@ from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, Outcome
 from experiments import contest
 from experiments.bound import candidates, virtual_best
+from experiments.rows import to_row
 from experiments.tracks import Round, budgets_of, jobs, per_map, read_key
 
 NAMES = {
@@ -79,6 +80,16 @@ def test_runs_that_two_rounds_share_are_played_once():
     assert len(jobs(rounds)) == len(ENTRANTS) * len(items) * 3
     rounds.append(Round("B", 0, per_map("B", ENTRANTS, 0), items, 3))
     assert len({job.key for job in jobs(rounds)}) == (len(ENTRANTS) + 3) * len(items) * 3
+
+
+def test_seconds_that_were_lost_are_not_nought(tmp_path):
+    played = Round("A", 5, ENTRANTS[1:2], load_suite("mountain-v0", "test")[:2], 2)
+    keys = [job.key for job in played.jobs]
+    with Ledger(tmp_path, {}, {}) as ledger:
+        for key in keys:
+            ledger.run(key).finish(Outcome((0.5,), (1.0,), (0.0,)))
+        row = to_row(played, ENTRANTS[1], ledger, {keys[0]: {"tuner": 1.0}, keys[3]: {"tuner": 3.0}})
+    assert (row.tuner_seconds, row.planner_seconds) == (2.0, None)
 
 
 def test_the_virtual_best_by_eye():

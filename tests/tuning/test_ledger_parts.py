@@ -126,7 +126,7 @@ def test_parts_that_tell_of_a_run_differently_are_refused_and_nothing_is_taken(t
         opened(tmp_path / "merged") as ledger,
         pytest.raises(
             LedgerError,
-            match=rf"'a/3/valley/0' is another one in {tmp_path}/merged than in {part}; .* play it again",
+            match=rf"'a/3/valley/0' is another one in .*merged than in {part};",
         ),
     ):
         ledger.absorb(part)
@@ -177,19 +177,20 @@ def test_what_is_held_is_written_when_the_outermost_block_ends(tmp_path):
         )
 
 
+def paid_and_timed(run):
+    with run.hold():
+        run.append([record(0)])
+        run.time(tuner=1.0)
+
+
 def test_a_disk_too_full_for_seconds_loses_no_trial(tmp_path):
     with opened(tmp_path) as ledger:
         run = ledger.run("a")
         for _ in range(50):
             run.time(tuner=1.0)
         before = (tmp_path / TIMING).stat().st_size
-        with (
-            most_bytes(before),
-            pytest.raises(LedgerError, match="the trials of this batch are kept"),
-            run.hold(),
-        ):
-            run.append([record(0)])
-            run.time(tuner=1.0)
+        with most_bytes(before), pytest.raises(LedgerError, match="the trials of this batch are kept"):
+            paid_and_timed(run)
         assert (run.records, (tmp_path / TIMING).stat().st_size) == ([record(0)], before)
     assert read_runs(tmp_path)["a"].records == [record(0)]
 
