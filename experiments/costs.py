@@ -1,8 +1,9 @@
 """What a board costs before anything of it is run: planner runs, core hours, and hours on some numbers of cores.
 
 Work is what its runs take one after the other: planner runs, at what one is measured to take here on each map, and what
-agents think meanwhile, as a ledger says that was timed. Runs of a board wait for nobody, so that many cores take the
-work divided by their number, but no less than the longest run; training comes first, and takes what it takes.
+agents think meanwhile, as a ledger says that was timed. Units of a sweep wait for nobody, so that many cores take the
+work divided by their number, but no less than the longest unit, which with ``--unit 1`` is the longest run; training
+comes first, and takes what it takes.
 """
 
 import time
@@ -139,19 +140,28 @@ def _seconds(tuned: TuningProblem, units: NDArray[np.float64]) -> float:
     return time.process_time() - begun
 
 
-def trainings(names: Sequence[str], preset: Preset, each: float) -> list[Training]:
-    """Return what the files of some agents take, if none is there yet; ``each`` are seconds of a planner run.
+def trainings(names: Sequence[str], preset: Preset, each: float, rules: int) -> list[Training]:
+    """Return what the files of some agents take, if none is there yet.
 
     What learning itself takes, of a policy or of nets, is not in it: it is no planner run.
+
+    Args:
+        names: of the agents.
+        preset: how much is spent.
+        each: seconds of a planner run.
+        rules: how many the train maps are planned by.
     """
+    more = rules - 1  # maps that a race by rules may add, for those that the others lack
     runs = {
         "static.json": preset.race_maps * preset.race_settings,
-        "static_by_rules.json": preset.race_maps * preset.race_settings,
+        "static_by_rules.json": (preset.race_maps + more) * preset.race_settings,
         "graph.json": preset.sources * trials_needed(preset.sources, preset.source_search, REPEATS),
         "experience.json": preset.experience_trials,
         "policy.json": preset.policy_evaluations,
     }
-    needed = files_needed(names)
+    needed = {*files_needed(names)}
+    if "neural.json" in needed:
+        needed.add("experience.json")  # to which nets are fitted
     return [Training(name, count, count * each) for name, count in runs.items() if name in needed]
 
 
@@ -161,13 +171,14 @@ def estimate(arguments: leaderboard.Arguments, timed: Path | None) -> str:
     rounds = leaderboard.untrained_board(arguments, plan)
     items = {(item.name, item.iterations): item for played in rounds for item in played.items}
     clock = time_runs(items.values())
-    train = time_runs(find_items(arguments.suite, "train")[:TRAIN_MAPS])
+    train = find_items(arguments.suite, "train")
+    each = float(np.mean(list(time_runs(train[:TRAIN_MAPS]).values())))
     found = shares(rounds, plan.preset.fresh, clock, read_thought(timed) if timed else {})
-    taught = trainings(leaderboard.names_of(arguments), plan.preset, float(np.mean(list(train.values()))))
+    taught = trainings(leaderboard.names_of(arguments), plan.preset, each, len(set(train.rules)))
     parts = [
         f"A planner run takes {1000 * np.mean(list(clock.values())):.2f} ms of one core on these maps "
         f"({1000 * min(clock.values()):.2f} to {1000 * max(clock.values()):.2f}), "
-        f"{1000 * np.mean(list(train.values())):.2f} ms on train maps.",
+        f"{1000 * each:.2f} ms on train maps.",
         _work(found),
         _training(taught),
         _hours(sum(one.planner + one.thinking for one in found), max(one.longest for one in found), taught),
@@ -207,7 +218,7 @@ def _hours(work: float, longest: float, taught: Sequence[Training]) -> str:
     for cores in CORES:
         board = max(longest, work / cores)
         rows.append([f"{cores:,}", duration(serial), duration(board), duration(serial + board)])
-    return table(["cores", "training", "board", "in all"], rows)
+    return table(["cores", "training", "board, --unit 1", "in all"], rows)
 
 
 def duration(seconds: float) -> str:

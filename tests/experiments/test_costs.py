@@ -4,9 +4,11 @@ import pytest
 
 pytest.importorskip("matplotlib")  # the real terrain
 
+from antgym.envs.scenarios import find_items
 from antgym.errors import LedgerError
 from antgym.tuning.ledger import Ledger
 from experiments import costs
+from experiments.artefacts import _raced
 from experiments.leaderboard import Arguments, names_of, plan_board, untrained_board
 from experiments.presets import PRESETS
 
@@ -69,6 +71,16 @@ def test_a_dry_run_shows_every_number_of_cores_and_trains_nothing(tmp_path, monk
     assert all(f"\n| {cores} | " in text for cores in ("1", "100", "10,000"))
     assert "| experience.json | 96 | " in text
     assert not list(tmp_path.iterdir())
+
+
+def test_what_training_takes_is_told_whoever_needs_the_file_and_never_too_low():
+    preset = PRESETS["smoke"]
+    found = {one.name: one.runs for one in costs.trainings(["neural_regression"], preset, 1.0, rules=1)}
+    assert found == {"experience.json": preset.experience_trials}
+    items = find_items("open-v0", "train")
+    (race,) = costs.trainings(["best_static_by_rules"], preset, 1.0, len(set(items.rules)))
+    assert race.runs >= len(_raced("open-v0", preset)) * preset.race_settings
+    assert race.seconds == race.runs
 
 
 @pytest.mark.parametrize(
