@@ -2,12 +2,14 @@
 
     python -m experiments.artefacts neighbours transfer_graph --out out/trained
 
-makes what these agents need, for ``experiments.tune`` and ``experiments.transfer``; a board makes its own.
+makes what these agents need, for ``experiments.tune`` and ``experiments.transfer``; a board makes its own. Beside
+the files ``made.json`` says for which suite and with which sizes of a preset each was made, so that none is taken for
+another.
 """
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -25,7 +27,7 @@ from agents.fitting import trials_needed
 from agents.graph import TransferGraph
 from agents.published import SHIPPED
 from agents.static import StaticSetting, StaticSettings, race, race_by_rules
-from antgym.console import main, parse, progress
+from antgym.console import main, parse, progress, write_whole
 from antgym.envs.catalogue import WORLDS
 from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
@@ -34,13 +36,24 @@ from antgym.planners.planning import are_bees
 from antgym.tuning.features import task_table
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session
-from experiments import train
+from experiments import provenance, train
 from experiments.presets import PRESETS, Preset
 from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
 _T = TypeVar("_T")
 TRAINED = Path("out/trained")
+MADE = "made.json"
+SIZES = (
+    "policy_evaluations",
+    "sources",
+    "source_search",
+    "race_maps",
+    "race_settings",
+    "experience_maps",
+    "experience_trials",
+)
+"""What of a preset decides what training makes."""
 REPEATS = 5  # runs of each set of the transfer graph on each of its maps
 EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats
 MOST_SETTINGS = 256  # of the experience
@@ -77,7 +90,12 @@ class Arguments:
 
 
 def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> dict[str, int]:
-    """Make the files that these agents need and that are missing; return what each file's training spent."""
+    """Make the files that these agents need and that are missing; return what each file's training spent.
+
+    Raises:
+        ParameterError: where a file was made for another suite or with other sizes than the preset's; one that was put
+            there by hand is taken as it is.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     steps: dict[str, Callable[[Path], Any]] = {
         "static.json": lambda path: _race(race, suite, preset).save(path),
@@ -88,13 +106,53 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         "policy.json": lambda path: _train(path, suite, preset),
     }
     wanted = files_needed(names)
+    _require_made(folder, wanted, _origin(suite, preset))
     for name, make in steps.items():
         if name in wanted and not (folder / name).exists():
+            _note_made(folder, name, _origin(suite, preset))
             make(folder / name)
     for name in wanted:
         if not (folder / name).exists():
             raise ParameterError(f"{folder / name} is not there; what has a name of its own is trained apart")
     return spent(folder, names)
+
+
+def _origin(suite: str, preset: Preset) -> dict[str, str | int]:
+    """Return what a file is made from, as ``made.json`` has it."""
+    return {"suite": suite, **{name: getattr(preset, name) for name in SIZES}}
+
+
+def read_made(folder: Path) -> dict[str, dict[str, str | int]]:
+    """Return the suite and the sizes that files were made with, by name; ParameterError where that is damaged."""
+    path = folder / MADE
+    try:
+        made = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+        return {name: dict(origin) for name, origin in made.items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise ParameterError(f"{path} is damaged ({error}); use another folder") from None
+
+
+def _note_made(folder: Path, name: str, origin: dict[str, str | int]) -> None:
+    """Note what a file is made from, before it is: one that was made never goes without."""
+    write_whole(folder / MADE, (json.dumps({**read_made(folder), name: origin}, indent=2) + "\n").encode())
+
+
+def _require_made(folder: Path, names: Iterable[str], origin: dict[str, str | int]) -> None:
+    made = read_made(folder)
+    for name in names:
+        then = made.get(name, origin)
+        if (folder / name).exists() and then != origin:
+            keys = [key for key in origin if then.get(key) != origin[key]]
+            told = ", ".join(f"{key} {then.get(key)}, now {origin[key]}" for key in keys)
+            raise ParameterError(
+                f"{folder / name} was made with {told}; remove it, use another folder, or ask for the suite and the "
+                "preset that it was made with"
+            )
+
+
+def trained_hashes(folder: Path) -> dict[str, str]:
+    """Return the hashes of the files that agents were trained to, by name, which a ledger is tied to."""
+    return {path.name: provenance.file_hash(path) for path in sorted(folder.iterdir()) if path.name != MADE}
 
 
 def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
@@ -203,7 +261,9 @@ def _gather(suite: str, preset: Preset) -> Experience:
 def _experience(folder: Path, suite: str, preset: Preset) -> Experience:
     """Return the experience of a folder, gathered now where it is not there."""
     path = folder / "experience.json"
+    _require_made(folder, [path.name], _origin(suite, preset))
     if not path.exists():
+        _note_made(folder, path.name, _origin(suite, preset))
         _gather(suite, preset).save(path)
     return Experience.load(path)
 

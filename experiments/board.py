@@ -52,8 +52,8 @@ class Row:
         success: share of the fresh re-evaluations that found a path, in [0, 1].
         deploy: trials paid on a new map, mean.
         training: trials paid once, before any new map; None where nobody counted them.
-        tuner_seconds: seconds of the agent's own thinking on a new map, mean.
-        planner_seconds: seconds of planner runs on a new map, mean.
+        tuner_seconds: seconds of the agent's own thinking on a new map, mean of those known, None where none are.
+        planner_seconds: seconds of planner runs on a new map, the same.
         optimism: mean of re-evaluated − observed gap; None where nothing was observed.
         card: whatever else there is to say about it; shown as it is.
         failure: how many of its runs its own failure ended, and how; empty where none did.
@@ -66,8 +66,8 @@ class Row:
     success: float
     deploy: float
     training: int | None
-    tuner_seconds: float
-    planner_seconds: float
+    tuner_seconds: float | None
+    planner_seconds: float | None
     optimism: float | None
     card: dict[str, Any]
     failure: str = ""

@@ -100,9 +100,23 @@ def enter(
 
 
 def foreign_files(names: Sequence[str]) -> dict[str, str]:
-    """Return the hashes of strangers' files and submissions by name, which a ledger is tied to."""
-    cards = [card for card in map(agents.find_card, names) if card.files]
-    return {f"{card.name} ({path.name})": provenance.file_hash(path) for card in cards for path in card.files}
+    """Return the hashes of strangers' files, with what these import from beside them, and submissions, by name.
+
+    A ledger is tied to them.
+    """
+    found = {}
+    for card in map(agents.find_card, names):
+        for path in _consists_of(card):
+            name = path.relative_to(card.files[0].parent)
+            found[f"{card.name} ({name})"] = provenance.file_hash(path)
+    return found
+
+
+def _consists_of(card: agents.Card) -> list[Path]:
+    if card.entry_point != STRANGER:
+        return list(card.files)
+    (file,) = card.files
+    return [file, *provenance.imported_beside(file)]
 
 
 def failures(outcomes: Sequence[Outcome]) -> str:

@@ -24,7 +24,7 @@ from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.ledger import Ledger
 from experiments import provenance
-from experiments.artefacts import prepare
+from experiments.artefacts import prepare, trained_hashes
 from experiments.contest import enter
 from experiments.presets import PRESETS
 from experiments.statistics import cluster_interval, paired_difference
@@ -72,7 +72,7 @@ def race(arguments: Arguments) -> str:
     names = list(dict.fromkeys([arguments.against, *arguments.controllers]))
     items = _items(arguments)
     config = {
-        "code": provenance.code_hash(),
+        "code": provenance.code_hash(*provenance.CONTEST),
         "suite": arguments.suite,
         "split": arguments.split,
         "maps": [item.scenario.digest[:16] for item in items],
@@ -112,8 +112,7 @@ def _entrants(
 
 def _hashes(arguments: Arguments, policies: Sequence[str]) -> dict[str, str]:
     folder = arguments.artefacts or arguments.out / "trained"
-    found = {path.name: provenance.file_hash(path) for path in sorted(folder.glob("*.json"))}
-    return found | policy_hashes(policies)
+    return trained_hashes(folder) | policy_hashes(policies)
 
 
 def gaps_of(entrant: Entrant, items: Sequence[SuiteItem], seeds: int, ledger: Ledger) -> NDArray[np.float64]:

@@ -1,12 +1,11 @@
 """What a board costs before anything of it is run: planner runs, core hours, and hours on some numbers of cores.
 
 Work is what its runs take one after the other: planner runs, at what one is measured to take here on each map, and what
-agents think meanwhile, as a ledger says that was timed. Runs of a board wait for nobody, so that many cores take the
-work divided by their number, but no less than the longest run with ``--unit 1``, or than the longest of units of more
-runs, which one worker plays; training comes first, and takes what it takes.
+agents think meanwhile, as a ledger says that was timed. Units of a sweep wait for nobody, so that many cores take the
+work divided by their number, but no less than the longest unit, which with ``--unit 1`` is the longest run; training
+comes first, and takes what it takes.
 """
 
-import json
 import time
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,23 +17,24 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from agents.fitting import trials_needed
-from antgym.console import PATIENCE, progress
+from antgym.console import progress
 from antgym.envs.scenarios import find_items
 from antgym.errors import LedgerError
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING
-from antgym.tuning.lines import read
+from antgym.tuning.lines import read_fields
 from antgym.tuning.problem import TRIAL, TuningProblem
 from experiments import contest, leaderboard
 from experiments.artefacts import REPEATS, files_needed, problem
 from experiments.presets import Preset
 from experiments.tables.sheet import table
-from experiments.tracks import Job, Round
+from experiments.tracks import Job, Round, agents_in, read_key
 
 CORES = (1, 100, 10_000)
 MEASURED = 8  # settings that a run is timed with on every map
 PASSES = 2  # of which the quicker counts: whatever else the machine does only makes it slower
 TRAIN_MAPS = 16  # on which a run of training is timed
+PATIENCE = 2.0  # seconds before a bar is shown
 
 Clock = Mapping[tuple[str, int], float]
 """Seconds of a planner run, by the name of its map and its iterations."""
@@ -107,10 +107,12 @@ def _thought(job: Job, thought: Thought) -> float:
 def read_thought(folder: Path) -> Thought:
     """Return the mean seconds that agents thought in a ledger's runs; LedgerError where it has none."""
     found: dict[tuple[str, int], list[float]] = defaultdict(list)
-    for line in map(json.loads, read(folder / TIMING)):
-        name, budget, *_ = line["run"].split("/")
-        if "tuner" in line and budget.isdecimal():
-            found[name, int(budget)].append(line["tuner"])
+    names = agents_in(folder)
+    for line in read_fields(folder / TIMING, "run"):
+        if "tuner" in line:  # else it is the exact planner's
+            key = read_key(line["run"], names)
+            if key.budget is not None:
+                found[key.agent, key.budget].append(line["tuner"])
     if not found:
         raise LedgerError(
             f"--timed {folder}: there are no seconds of agents in {TIMING}; name a board that was played"
@@ -138,27 +140,28 @@ def _seconds(tuned: TuningProblem, units: NDArray[np.float64]) -> float:
     return time.process_time() - begun
 
 
-def trainings(names: Sequence[str], preset: Preset, rules: int, each: float) -> list[Training]:
+def trainings(names: Sequence[str], preset: Preset, each: float, rules: int) -> list[Training]:
     """Return what the files of some agents take, if none is there yet.
 
     What learning itself takes, of a policy or of nets, is not in it: it is no planner run.
 
     Args:
         names: of the agents.
-        preset: how much they are trained.
-        rules: number of rules that plan the train maps; a race by rules adds a map for each that its maps lack.
+        preset: how much is spent.
         each: seconds of a planner run.
+        rules: how many the train maps are planned by.
     """
+    more = rules - 1  # maps that a race by rules may add, for those that the others lack
     runs = {
         "static.json": preset.race_maps * preset.race_settings,
-        "static_by_rules.json": (preset.race_maps + rules - 1) * preset.race_settings,
+        "static_by_rules.json": (preset.race_maps + more) * preset.race_settings,
         "graph.json": preset.sources * trials_needed(preset.sources, preset.source_search, REPEATS),
         "experience.json": preset.experience_trials,
         "policy.json": preset.policy_evaluations,
     }
-    needed = set(files_needed(names))
+    needed = {*files_needed(names)}
     if "neural.json" in needed:
-        needed.add("experience.json")  # which nets are fitted to
+        needed.add("experience.json")  # to which nets are fitted
     return [Training(name, count, count * each) for name, count in runs.items() if name in needed]
 
 
@@ -168,19 +171,17 @@ def estimate(arguments: leaderboard.Arguments, timed: Path | None) -> str:
     rounds = leaderboard.untrained_board(arguments, plan)
     items = {(item.name, item.iterations): item for played in rounds for item in played.items}
     clock = time_runs(items.values())
-    taught_on = find_items(arguments.suite, "train")
-    train = time_runs(taught_on[:TRAIN_MAPS])
+    train = find_items(arguments.suite, "train")
+    each = float(np.mean(list(time_runs(train[:TRAIN_MAPS]).values())))
     found = shares(rounds, plan.preset.fresh, clock, read_thought(timed) if timed else {})
-    each, rules = float(np.mean(list(train.values()))), len(set(taught_on.rules))
-    taught = trainings(leaderboard.names_of(arguments), plan.preset, rules, each)
+    taught = trainings(leaderboard.names_of(arguments), plan.preset, each, len(set(train.rules)))
     parts = [
         f"A planner run takes {1000 * np.mean(list(clock.values())):.2f} ms of one core on these maps "
         f"({1000 * min(clock.values()):.2f} to {1000 * max(clock.values()):.2f}), "
-        f"{1000 * np.mean(list(train.values())):.2f} ms on train maps.",
+        f"{1000 * each:.2f} ms on train maps.",
         _work(found),
         _training(taught),
         _hours(sum(one.planner + one.thinking for one in found), max(one.longest for one in found), taught),
-        "A board on many cores takes as long as its longest run with --unit 1, with larger units as the longest unit.",
     ]
     return "\n\n".join(parts)
 
@@ -217,7 +218,7 @@ def _hours(work: float, longest: float, taught: Sequence[Training]) -> str:
     for cores in CORES:
         board = max(longest, work / cores)
         rows.append([f"{cores:,}", duration(serial), duration(board), duration(serial + board)])
-    return table(["cores", "training", "board", "in all"], rows)
+    return table(["cores", "training", "board, --unit 1", "in all"], rows)
 
 
 def duration(seconds: float) -> str:

@@ -23,7 +23,7 @@ from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, digest_of
 from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
-from experiments.artefacts import prepare
+from experiments.artefacts import prepare, trained_hashes
 from experiments.board import Track
 from experiments.contest import Entrant, enter, foreign_files
 from experiments.presets import PRESETS, Preset
@@ -104,7 +104,7 @@ def plan_board(arguments: Arguments) -> Plan:
     preset = PRESETS[arguments.preset]
     items = _items(arguments, preset)
     config = {
-        "code": provenance.code_hash(),
+        "code": provenance.code_hash(*provenance.CONTEST),
         "preset": arguments.preset,
         **preset._asdict(),
         "suite": arguments.suite,
@@ -112,6 +112,7 @@ def plan_board(arguments: Arguments) -> Plan:
         "maps": [item.scenario.digest[:16] for item in items],
         "split_hash": digest_of(items),  # with efforts and rules
         "agents": list(arguments.agents),
+        "call_seconds": arguments.call_seconds,  # decides failures
     }
     names = [*names_of(arguments), *_submitted(arguments), *(["rl"] if arguments.controllers else [])]
     return Plan(config, provenance.versions(names), items, preset)
@@ -139,6 +140,8 @@ def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
     """Return the maps of a board, under rules that agents can learn of."""
     maps = preset.scenarios if arguments.maps is None else arguments.maps
     items = find_items(arguments.suite, arguments.split)[:maps]
+    if "C" in arguments.track:
+        steerable(items)
     lacking = {item.rules for item in items} - set(find_items(arguments.suite, "train").rules)
     if lacking:
         raise ParameterError(
@@ -208,7 +211,7 @@ def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) 
 
 def pins(arguments: Arguments) -> dict[str, str]:
     """Return the hashes of the files that the entrants of a board are, by name."""
-    files = provenance.file_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+    files = trained_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
     return files | foreign_files(arguments.agents)
 
 

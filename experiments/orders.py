@@ -1,11 +1,10 @@
 """Orders: which runs were asked of a ledger, and which of them broke off; beside what it holds, not part of it."""
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
 from antgym.console import write_whole
-from antgym.tuning.lines import append, read
+from antgym.tuning.lines import append, read_fields
 
 ASKED, BROKEN = "asked.txt", "broken.jsonl"
 
@@ -32,5 +31,4 @@ def note_broken(folder: Path, keys: Iterable[str], reason: str) -> None:
 
 def broken(folder: Path) -> dict[str, str]:
     """Return why runs broke off, by key: the last reason of each; the same run may have ended since."""
-    lines = [json.loads(line) for line in read(folder / BROKEN)]
-    return {line["run"]: line["reason"] for line in lines}
+    return {line["run"]: line["reason"] for line in read_fields(folder / BROKEN, "run", "reason")}

@@ -8,7 +8,6 @@ them with ``--against``: the differences that a board has to resolve.
 """
 
 import json
-import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,12 +26,7 @@ from experiments.statistics import Values, paired_difference
 from experiments.statistics.bootstrap import as_matrix
 from experiments.statistics.replication import Components, components, maps_needed, resolved
 from experiments.tables.sheet import table
-
-KEYS = (
-    re.compile(r"(?P<agent>.+?)/(?P<budget>\d+)/(?P<map>\D.*)/(?P<seed>\d+)"),
-    re.compile(r"(?P<agent>[^/]+)/(?P<map>\D.*)/(?P<seed>\d+)"),
-)
-"""How ``contest.Job`` and ``control.Job``, which has no budget, name a run."""
+from experiments.tracks import agents_in, read_key
 
 
 @dataclass(frozen=True)
@@ -76,10 +70,11 @@ def read_ledger(folder: Path, budget: int | None) -> Measured:
     """Return what a ledger says at a budget; AntgymError where it holds no contest, or not that budget."""
     found: defaultdict[int | None, defaultdict[str, dict[tuple[str, int], float]]]
     found = defaultdict(lambda: defaultdict(dict))
+    names = agents_in(folder)
     for key, run in read_runs(folder).items():
-        agent, spent, at = _parts(key, folder)
         if run.outcome is not None:
-            found[spent][agent][at] = float(np.mean(run.outcome.gaps))
+            agent, spent, place, seed = read_key(key, names)
+            found[spent][agent][place, seed] = float(np.mean(run.outcome.gaps))
     chosen = _choose(list(found), budget, folder)
     runs = found[chosen]
     every = {at for own in runs.values() for at in own}
@@ -90,16 +85,6 @@ def read_ledger(folder: Path, budget: int | None) -> Measured:
         if len(own) == len(maps) * len(seeds)
     }
     return Measured(chosen, _ranked(whole), sorted(set(runs) - set(whole)))
-
-
-def _parts(key: str, folder: Path) -> tuple[str, int | None, tuple[str, int]]:
-    """Return agent, budget, and map with seed of a run."""
-    for pattern in KEYS:
-        parts = pattern.fullmatch(key)
-        if parts is not None:
-            budget = parts.groupdict().get("budget")
-            return parts["agent"], None if budget is None else int(budget), (parts["map"], int(parts["seed"]))
-    raise AntgymError(f"{folder}: run {key!r} is none of a contest, which are called AGENT/BUDGET/MAP/SEED")
 
 
 def read_gaps(path: Path, budget: int | None) -> Measured:

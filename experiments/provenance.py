@@ -6,6 +6,7 @@ import platform
 import subprocess
 from collections.abc import Iterable
 from importlib.metadata import version
+from modulefinder import ModuleFinder
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,11 @@ import agents
 import antgym
 from antgym.kernels import sources_hash
 from antgym.planners.threads import thread_count
+
+CONTEST = tuple(
+    Path(__file__).with_name(f"{name}.py") for name in ("artefacts", "contest", "steering", "stopwatch")
+)
+"""The files of experiments that decide how a run of a contest goes: its seeds, its judging, its failures."""
 
 
 def code_hash(*more: Path) -> str:
@@ -32,14 +38,20 @@ def code_hash(*more: Path) -> str:
     return digest.hexdigest()[:16]
 
 
+def imported_beside(file: Path) -> list[Path]:
+    """Return the files beside a Python file that it imports, as far as its text says so; nothing of it is run."""
+    finder = ModuleFinder(path=[str(file.parent)])
+    try:
+        finder.run_script(str(file))
+    except (OSError, SyntaxError, ValueError):
+        return []  # nor can it be played, which is told there
+    found = (getattr(module, "__file__", None) for module in finder.modules.values())
+    return sorted({Path(path) for path in found if path} - {file})
+
+
 def file_hash(path: Path) -> str:
     """Return the hash of a file's content, 16 hexadecimal digits."""
     return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-
-
-def file_hashes(folder: Path) -> dict[str, str]:
-    """Return the hashes of the files in a folder by name."""
-    return {path.name: file_hash(path) for path in sorted(folder.iterdir())}
 
 
 def versions(names: Iterable[str]) -> dict[str, str]:

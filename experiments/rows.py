@@ -1,6 +1,5 @@
 """From a ledger to the rows of a board: what every entrant achieved, and the two bounds, exact and virtual best."""
 
-import json
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -14,6 +13,7 @@ from antgym.maps.discs import DiscWorld
 from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, LedgerRun
+from antgym.tuning.lines import read_fields
 from experiments.board import EXACT, VBS, Row
 from experiments.bound import candidates, virtual_best
 from experiments.contest import failures
@@ -40,12 +40,18 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
         success=float(np.mean([np.isfinite(outcome.lengths).mean() for outcome in outcomes])),
         deploy=0.0 if steered else float(np.mean([len(run.records) for run in runs])),
         training=entrant.training,
-        tuner_seconds=float(np.mean([clock.get("tuner", 0.0) for clock in spent])),
-        planner_seconds=float(np.mean([clock.get("planner", 0.0) for clock in spent])),
+        tuner_seconds=_seconds("tuner", spent),
+        planner_seconds=_seconds("planner", spent),
         optimism=None if steered else _optimism(jobs, runs),
         card=_card(entrant),
         failure=failure,
     )
+
+
+def _seconds(name: str, spent: Sequence[Mapping[str, float]]) -> float | None:
+    """Return the mean over the runs whose seconds are there, None where none are: a killed process leaves none."""
+    known = [clock[name] for clock in spent if name in clock]
+    return float(np.mean(known)) if known else None
 
 
 def _optimism(jobs: Sequence[Job], runs: Sequence[LedgerRun]) -> float | None:
@@ -138,9 +144,7 @@ def _paid(rounds: Sequence[Round], ledger: Ledger) -> int:
 def read_clocks(folder: Path) -> Clocks:
     """Return the seconds of every run, as far as sessions came to its end: a killed one leaves none."""
     total: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
-    path = folder / TIMING
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
-        fields: dict[str, Any] = json.loads(line)
+    for fields in read_fields(folder / TIMING, "run"):
         key = fields.pop("run")
         for name, value in fields.items():
             total[key][name] += value

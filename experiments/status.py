@@ -8,9 +8,10 @@ while they are written. The exit code is 0 where every run that was asked is fin
 
 import json
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, NamedTuple
 
 import tyro
@@ -38,10 +39,11 @@ class Arguments:
 
 
 class Holding(NamedTuple):
-    """What one ledger holds; nothing where it is damaged, which is then said."""
+    """What one ledger holds, and why runs broke off; no runs where it is damaged, which is then said."""
 
     folder: Path
     runs: dict[str, KeptRun]
+    reasons: Mapping[str, str] = MappingProxyType({})
     damage: str = ""
 
 
@@ -82,29 +84,49 @@ def ledgers_below(folder: Path) -> list[Path]:
 
 
 def survey(folders: Iterable[Path]) -> list[Standing]:
-    """Return how boards and sweeps stand, one for every config."""
-    boards: dict[str, list[Path]] = {}
-    for ledger in dict.fromkeys(path for folder in folders for path in ledgers_below(folder)):
-        config = json.dumps(read_manifest(ledger)["config"], sort_keys=True)
-        boards.setdefault(config, []).append(ledger)
-    return [_standing([_holding(folder) for folder in found]) for found in boards.values()]
+    """Return how boards and sweeps stand, one for every config; ledgers that cannot tell theirs stand together.
+
+    What was asked of a sweep is asked where its folder is looked at, but not where one of its shards is.
+    """
+    orders: dict[Path, dict[Path, None]] = {}
+    for folder in folders:
+        for ledger in ledgers_below(folder):
+            within = [path for path in (*reversed(ledger.parents), ledger) if path.is_relative_to(folder)]
+            orders.setdefault(ledger, {}).update(dict.fromkeys(within))
+    boards: dict[str, dict[Path, Holding]] = {}
+    for ledger in orders:
+        boards.setdefault(_config(ledger), {})[ledger] = _holding(ledger)
+    return [
+        _standing(list(found.values()), dict.fromkeys(path for ledger in found for path in orders[ledger]))
+        for found in boards.values()
+    ]
+
+
+def _config(folder: Path) -> str:
+    try:
+        return json.dumps(read_manifest(folder)["config"], sort_keys=True)
+    except LedgerError:
+        return ""  # of no board; the row of the ledger says what is wrong
 
 
 def _holding(folder: Path) -> Holding:
+    runs: dict[str, KeptRun] = {}
     try:
-        return Holding(folder, read_runs(folder))
+        runs = read_runs(folder)
+        return Holding(folder, runs, broken(folder))
     except LedgerError as error:
-        return Holding(folder, {}, str(error))
+        return Holding(folder, runs, damage=str(error))
 
 
-def _standing(holdings: list[Holding]) -> Standing:
+def _standing(holdings: list[Holding], ordering: Iterable[Path]) -> Standing:
+    """Return how the runs of some ledgers stand that were asked of some folders."""
     standing = Standing(holdings)
     copies: dict[str, list[tuple[Path, KeptRun]]] = {}
     for holding in holdings:
         for key, run in holding.runs.items():
             copies.setdefault(key, []).append((holding.folder, run))
-    reasons = {key: why for holding in holdings for key, why in broken(holding.folder).items()}
-    orders = dict.fromkeys(key for holding in holdings for key in asked(holding.folder))
+    reasons = {key: why for holding in holdings for key, why in holding.reasons.items()}
+    orders = dict.fromkeys(key for folder in ordering for key in asked(folder))
     standing.asked = list(orders) or list(copies)
     for key, places in copies.items():
         ended = [(folder, run) for folder, run in places if run.outcome is not None]

@@ -23,6 +23,7 @@ from antgym.envs.cards import load_card
 from antgym.envs.catalogue import WORLDS
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
 from antgym.errors import AgentError, ParameterError
+from antgym.maps.fleet import Fleet
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.planners.swarms import parameter_names
 from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
@@ -143,7 +144,14 @@ def _act(steered: _Steered) -> NDArray[np.float64] | None:
 
 
 def steerable(items: Iterable[SuiteItem]) -> list[SuiteItem]:
-    """Return the items, no run shorter than the regime allows."""
+    """Return the items, no run shorter than the regime allows; ParameterError where one is a fleet."""
+    items = list(items)
+    fleets = [item.name for item in items if isinstance(item.scenario, Fleet)]
+    if fleets:
+        raise ParameterError(
+            f"{fleets[0]} is a fleet, whose plans are several runs, and one run is steered; take a suite of single "
+            "robots, or leave track C out"
+        )
     return [item._replace(iterations=max(item.iterations, LEAST_ITERATIONS)) for item in items]
 
 

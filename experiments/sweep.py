@@ -76,11 +76,15 @@ class Sweep:
         self.keys = [job.key for job in runs]
 
     @contextmanager
-    def ledger(self, folder: Path) -> Iterator[Ledger]:
-        """Open the ledger of the whole or of a shard, which knows all runs that are asked of the sweep."""
+    def ledger(self, folder: Path, keys: Sequence[str]) -> Iterator[Ledger]:
+        """Open the ledger of the whole or of a shard, and note what is asked of it, and of the sweep.
+
+        Every shard notes the same of the sweep, so that none needs to wait for another.
+        """
         with Ledger(folder, self.plan.config, self.plan.versions, provenance.facts()) as ledger:
             ledger.pin(leaderboard.pins(self.board))
-            ask(folder, self.keys)
+            ask(folder, keys)
+            ask(self.arguments.out, self.keys)
             yield ledger
 
 
@@ -150,7 +154,7 @@ def merge(whole: Sweep) -> str:
     """Put the shards' ledgers together and show the board; LedgerError where runs are missing."""
     out = whole.arguments.out
     folders = list(shard_folders(out))
-    with whole.ledger(out) as ledger, progress("merging shards", len(folders)) as advance:
+    with whole.ledger(out, whole.keys) as ledger, progress("merging shards", len(folders)) as advance:
         for folder in folders:
             ledger.absorb(folder)
             advance(1)
@@ -161,9 +165,9 @@ def merge(whole: Sweep) -> str:
 def _play(whole: Sweep, places: Sequence[int], folder: Path) -> None:
     """Play what is missing of some runs on the backend; LedgerError where some broke off."""
     keys = whole.keys
-    with whole.ledger(folder) as ledger:
+    asked = [keys[i] for i in places]
+    with whole.ledger(folder, asked) as ledger:
         todo = units(keys, places, whole.arguments.unit, finished(ledger), folder)
-        asked = [keys[i] for i in places]
         with progress(f"{len(asked)} runs on {whole.arguments.backend}", len(asked)) as advance:
             advance(len(asked) - sum(len(unit.places) for unit in todo))
             for unit, reason in _run(whole, todo):

@@ -5,13 +5,16 @@ without a trial or with a few. C, control: the parameters are set within one run
 once, for a round of B is one of A with fewer competitors.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 import agents
-from antgym.errors import ParameterError
+from antgym.errors import AntgymError, ParameterError
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import Ledger
+from antgym.tuning.manifest import read_manifest
 from experiments import contest, steering
 from experiments.board import SBS, Track
 
@@ -26,6 +29,19 @@ ALWAYS = (*WITHOUT_TRIALS[:2], SEARCH, SBS, SBS_BY_RULE, "copy_best_source", "re
 """On every board; where they are not asked for as agents, as references without a place."""
 Entrant = contest.Entrant | steering.Entrant
 Job = contest.Job | steering.Job
+
+
+KEY = re.compile(r"(?:/(?P<budget>\d+)(?=/.+/))?/(?P<map>.+)/(?P<seed>\d+)")
+"""What follows the agent's name in a key."""
+
+
+class Key(NamedTuple):
+    """Which run a key names; the budget is None for one that is steered."""
+
+    agent: str
+    budget: int | None
+    map: str
+    seed: int
 
 
 class Round(NamedTuple):
@@ -100,6 +116,30 @@ def within_runs(
     """Return who steers in C: what B's agents recommend without a trial, the card's schedule, submissions, policies."""
     constants, schedule = per_map("B", entrants, 0), steering.find_schedule(suite)
     return tuple(steering.controllers(constants, policies, SBS_BY_RULE, schedule, submitted))
+
+
+def read_key(key: str, names: Iterable[str]) -> Key:
+    """Return what a run's key says.
+
+    Args:
+        key: of ``contest.Job`` or ``steering.Job``; a map's name may have slashes and begin with a digit.
+        names: the agents that the ledger was asked for: those of files and folders have slashes too, all others none.
+
+    Raises:
+        AntgymError: if it is the key of no contest's run.
+    """
+    known = [name for name in names if key.startswith(f"{name}/")]
+    agent = max(known, key=len, default=key.partition("/")[0])
+    parts = KEY.fullmatch(key, len(agent))
+    if parts is None:
+        raise AntgymError(f"run {key!r} is none of a contest, which are called AGENT/BUDGET/MAP/SEED")
+    budget = parts["budget"]
+    return Key(agent, None if budget is None else int(budget), parts["map"], int(parts["seed"]))
+
+
+def agents_in(folder: Path) -> list[str]:
+    """Return the names of the agents that a board's or a transfer's ledger was asked for; none of other ledgers."""
+    return list(read_manifest(folder)["config"].get("agents", ()))
 
 
 def jobs(rounds: Iterable[Round]) -> list[Job]:

@@ -24,7 +24,7 @@ from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, LedgerRun
 from experiments import provenance
-from experiments.artefacts import spent
+from experiments.artefacts import spent, trained_hashes
 from experiments.contest import enter, jobs, play
 from experiments.statistics import Estimate, cluster_interval, paired_difference, wilson_interval
 from experiments.tables.sheet import new_figure, publish, table
@@ -110,12 +110,12 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
             name: getattr(arguments, name)
             for name in ("suite", "split", "seeds", "budgets", "fresh", "agents")
         },
-        "code": provenance.code_hash(),
+        "code": provenance.code_hash(*provenance.CONTEST),
         "maps": [item.scenario.digest[:16] for item in items],
     }
     versions = provenance.versions(arguments.agents)
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
-        ledger.pin(provenance.file_hashes(arguments.artefacts))
+        ledger.pin(trained_hashes(arguments.artefacts))
         todo = list(jobs(contest, items, arguments.seeds, arguments.budgets))
         with progress("transfer", len(todo)) as advance:
             play(todo, ledger, arguments.fresh, advance)

@@ -16,7 +16,7 @@ would round them; schema 1 wrote them as numbers. A ledger goes on in the schema
 """
 
 import fcntl
-import json
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
@@ -36,7 +36,7 @@ from antgym.tuning.kept import (
     read_runs,
     trial_fields,
 )
-from antgym.tuning.lines import append, mend, read
+from antgym.tuning.lines import append, mend, read_fields
 from antgym.tuning.manifest import MANIFEST, SCHEMA, Manifest, read_manifest
 from antgym.tuning.session import Record
 from antgym.tuning.traces import copy_traces, write_trace
@@ -77,14 +77,14 @@ class LedgerRun(KeptRun):
         """Let what is written within be one write of the ledger, of this run and of others."""
         return self._ledger.hold()
 
-    def lacks(self, other: KeptRun) -> list[dict[str, Any]]:
-        """Return the lines of what another ledger holds more of this run; LedgerError where the two do not agree."""
+    def lacks(self, other: KeptRun, folder: Path) -> list[dict[str, Any]]:
+        """Return the lines of what a folder's ledger holds more of this run; LedgerError where they do not agree."""
         shorter, longer = sorted((self, other), key=lambda run: (run.outcome is not None, len(run.records)))
         known = len(shorter.records) if shorter.outcome is None else len(longer.records)
         if longer.records[:known] != shorter.records or shorter.outcome not in (None, longer.outcome):
             raise LedgerError(
-                f"run {self.key!r} is another one in {self._ledger.folder} than in what should be merged with it; "
-                "one of the two was made with other code or libraries"
+                f"run {self.key!r} is another one in {self._ledger.folder} than in {folder}; one of the two was made "
+                "with other code or libraries: remove its lines there and play it again"
             )
         lines = self._trial_lines(other.records[len(self.records) :])
         if self.outcome is None and other.outcome is not None:
@@ -132,7 +132,8 @@ class Ledger:
         traces: whether runs leave traces, see :mod:`antgym.tuning.traces`.
 
     Raises:
-        LedgerError: if the folder belongs to another config or schema, is in use, or holds a damaged line.
+        LedgerError: if the folder belongs to another config or schema, is in use, or holds a damaged line, or trials
+            without a manifest.
     """
 
     def __init__(
@@ -154,6 +155,7 @@ class Ledger:
                 self._timing = files.enter_context((self.folder / TIMING).open("a+b", buffering=0))
             except OSError as error:
                 raise LedgerError(f"{self.folder} cannot hold a ledger: {error}") from None
+            self._require_manifest()
             self._manifest = Manifest(self.folder, config, versions, facts or {})
             mend(self._timing)
             self._runs: dict[str, LedgerRun] = {}
@@ -206,12 +208,14 @@ class Ledger:
         """
         manifest = read_manifest(folder)
         self._manifest.require_part(manifest, folder)
-        lines = [line for part in read_runs(folder).values() for line in self.run(part.key).lacks(part)]
+        lines = [
+            line for part in read_runs(folder).values() for line in self.run(part.key).lacks(part, folder)
+        ]
         self._manifest.take_in(manifest)
         copy_traces(folder, self.folder)
         self.write(lines, lambda: self._enter(lines))
         done = {line["run"] for line in lines if line["kind"] == "outcome"}
-        timing = [json.loads(line) for line in read(folder / TIMING)]
+        timing = read_fields(folder / TIMING, "run")
         self.write_timing(*(line for line in timing if line["run"] in done))
 
     def _enter(self, lines: Sequence[Mapping[str, Any]]) -> None:
@@ -249,7 +253,15 @@ class Ledger:
         append(self._trials, self._held.trials)
         for then in self._held.then:
             then()
-        append(self._timing, self._held.timing)
+        append(self._timing, self._held.timing, "the trials of this batch are kept, their seconds are not")
+
+    def _require_manifest(self) -> None:
+        """Refuse trials of which nothing says what they are of: any config could be taken for theirs."""
+        if os.fstat(self._trials.fileno()).st_size and not (self.folder / MANIFEST).exists():
+            raise LedgerError(
+                f"{self.folder} holds {TRIALS} without the {MANIFEST} that says what was run; put it back, or use "
+                "another folder"
+            )
 
     def _lock(self) -> None:
         try:

@@ -35,13 +35,38 @@ def read(path: Path) -> list[bytes]:
     return lines
 
 
+def read_fields(path: Path, *needed: str) -> list[dict[str, Any]]:
+    """Return the lines of a file as objects, as :func:`read` does.
+
+    Args:
+        path: of the file.
+        needed: names of fields that every line has.
+
+    Raises:
+        LedgerError: with its number, if a line is no such object.
+    """
+    found: list[dict[str, Any]] = []
+    for number, line in enumerate(read(path), start=1):
+        try:
+            fields = json.loads(line)
+            lacking = sorted({*needed} - {*fields.keys()})
+            if lacking:
+                raise ValueError(f"it lacks {', '.join(lacking)}")
+        except (ValueError, AttributeError) as error:
+            raise LedgerError(f"{path}, line {number} is damaged ({error}); remove this line") from None
+        found.append(fields)
+    return found
+
+
 def _whole(data: bytes) -> tuple[list[bytes], int]:
     end = data.rfind(b"\n") + 1
     return data[:end].splitlines(), len(data) - end
 
 
-def append(file: FileIO, lines: Sequence[Mapping[str, Any]]) -> None:
-    """Add lines and wait for the disk; where that fails, the file is what it was before."""
+def append(
+    file: FileIO, lines: Sequence[Mapping[str, Any]], lost: str = "nothing of this batch is kept"
+) -> None:
+    """Add lines and wait for the disk; where that fails, the file is what it was before, and what is lost is said."""
     if not lines:
         return
     before = file.seek(0, os.SEEK_END)
@@ -53,8 +78,10 @@ def append(file: FileIO, lines: Sequence[Mapping[str, Any]]) -> None:
     except BaseException as error:
         file.truncate(before)
         if isinstance(error, OSError):
-            advice = "nothing of this batch is kept; make room and give the same command again"
-            raise LedgerError(f"{file.name!s} cannot be written: {error.strerror}; {advice}") from None
+            advice = "make room and give the same command again"
+            raise LedgerError(
+                f"{file.name!s} cannot be written: {error.strerror}; {lost}; {advice}"
+            ) from None
         raise
 
 

@@ -31,6 +31,8 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     if schema not in (SCHEMA, *OLDER):
         readable = ", ".join(map(str, (*OLDER, SCHEMA)))
         raise LedgerError(f"{path}: schema {schema}, this antgym reads {readable}; use another folder")
+    if not isinstance(fields.get("config"), dict):
+        raise LedgerError(f"{path} is damaged (it lacks the config); use another folder")
     return fields
 
 

@@ -3,13 +3,15 @@
 import hashlib
 import io
 import os
-import shutil
+import zlib
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antgym.errors import LedgerError
+from antgym.tuning.lines import sync_folder
 
 TRACES = "traces"
 
@@ -29,14 +31,24 @@ def write_trace(folder: Path, key: str, best: ArrayLike) -> None:
     """
     packed = io.BytesIO()
     np.savez_compressed(packed, run=np.array(key), best=np.asarray(best, dtype=np.float32))
-    path = trace_path(folder, key)
+    _write(trace_path(folder, key), packed.getvalue())
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a trace as a whole and wait for the disk: the outcome that is synced after it must not be without it."""
     scratch = path.with_suffix(".tmp")
     try:
-        path.parent.mkdir(exist_ok=True)
-        scratch.write_bytes(packed.getvalue())
-        os.replace(scratch, path)
+        try:
+            path.parent.mkdir(exist_ok=True)
+            with scratch.open("wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(scratch, path)
+            sync_folder(path.parent)
+        finally:
+            scratch.unlink(missing_ok=True)
     except OSError as error:
-        scratch.unlink(missing_ok=True)
         raise LedgerError(
             f"{path} cannot be written: {error.strerror}; make room and give the same command again"
         ) from None
@@ -50,13 +62,13 @@ def read_trace(folder: Path, key: str) -> NDArray[np.float32]:
     """
     path = trace_path(folder, key)
     try:
-        with np.load(path, allow_pickle=False) as packed:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as packed:
             best: NDArray[np.float32] = packed["best"]
     except FileNotFoundError:
         raise LedgerError(
             f"{folder} has no trace of {key!r}; experiments.sweep --traces keeps them"
         ) from None
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error) as error:
         raise LedgerError(
             f"{path} is damaged ({error}); remove it and the run's lines, and run it again"
         ) from None
@@ -64,8 +76,6 @@ def read_trace(folder: Path, key: str) -> NDArray[np.float32]:
 
 
 def copy_traces(part: Path, folder: Path) -> None:
-    """Copy the traces of a part into the ledger that takes it in."""
+    """Copy the traces of a part into the ledger that takes it in; LedgerError where the disk is full."""
     for path in sorted((part / TRACES).glob("*.npz")):
-        (folder / TRACES).mkdir(exist_ok=True)
-        shutil.copyfile(path, folder / TRACES / path.with_suffix(".tmp").name)
-        os.replace(folder / TRACES / path.with_suffix(".tmp").name, folder / TRACES / path.name)
+        _write(folder / TRACES / path.name, path.read_bytes())

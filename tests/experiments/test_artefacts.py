@@ -1,5 +1,7 @@
 """What trained agents need is made once, for the agents that are there, and found again."""
 
+from pathlib import Path
+
 import pytest
 
 import agents
@@ -7,7 +9,8 @@ from agents.experience import Experience
 from agents.static import StaticByRules, StaticSetting, StaticSettings
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
-from experiments.artefacts import prepare, problem, trained_argument
+from experiments import leaderboard
+from experiments.artefacts import MADE, files_needed, prepare, problem, trained_argument, trained_hashes
 from experiments.contest import enter
 from experiments.presets import PRESETS
 
@@ -53,3 +56,28 @@ def test_a_file_of_its_own_name_is_found_and_never_made(tmp_path):
     ]
     with pytest.raises(ParameterError, match=r"third\.json is not there"):
         prepare(tmp_path, "mountain-v0", TINY, ["rl:third"])
+
+
+def test_what_another_preset_or_suite_made_is_refused_and_what_was_put_there_by_hand_is_not(tmp_path):
+    prepare(tmp_path, "mountain-v0", TINY, ["best_static"])
+    more = TINY._replace(race_settings=8)
+    with pytest.raises(ParameterError, match=r"static\.json was made with race_settings 4, now 8; remove it"):
+        prepare(tmp_path, "mountain-v0", more, ["best_static"])
+    with pytest.raises(ParameterError, match="was made with suite mountain-v0, now open-v0;"):
+        prepare(tmp_path, "open-v0", TINY, ["best_static"])
+    assert prepare(tmp_path, "mountain-v0", more, ["random_search"]) == {}  # needs no file of theirs
+    assert prepare(tmp_path, "mountain-v0", TINY._replace(fresh=9), ["best_static"]) == {"static.json": 8}
+    assert list(trained_hashes(tmp_path)) == ["static.json"]
+    (tmp_path / MADE).unlink()
+    assert prepare(tmp_path, "mountain-v0", more, ["best_static"]) == {"static.json": 8}
+    (tmp_path / MADE).write_text("[")
+    with pytest.raises(ParameterError, match=r"made\.json is damaged"):
+        prepare(tmp_path, "mountain-v0", TINY, ["best_static"])
+
+
+def test_the_guide_trains_every_file_that_its_array_needs():
+    guide = (Path(agents.__file__).parents[1] / "docs" / "ledgers.md").read_text(encoding="utf-8")
+    (command,) = (line for line in guide.splitlines() if line.startswith("python -m experiments.artefacts "))
+    named = command.partition(" --")[0].split()[3:]
+    assert set(files_needed(named)) == set(files_needed(leaderboard.names_of(leaderboard.Arguments())))
+    assert "--preset full" in command

@@ -17,7 +17,7 @@ from antgym.tuning.problem import TRIAL
 from antgym.tuning.run_features import CONTROL_FEATURES
 from experiments import contest, control, steering
 from experiments.control import Arguments, race
-from experiments.provenance import code_hash
+from experiments.provenance import CONTEST, code_hash
 
 UNIT, NAMES = (0.6, 0.9, 0.4, 0.5), ("alpha", "beta", "rho", "Q")
 
@@ -47,7 +47,7 @@ def test_a_constant_walks_the_runs_of_one_shot(asked):
     arguments = asked()
     table = race(arguments)
     manifest = json.loads((arguments.out / "manifest.json").read_text())
-    assert manifest["config"]["code"] == code_hash()  # under the name that boards have for it
+    assert manifest["config"]["code"] == code_hash(*CONTEST)  # under the name that boards have for it
     items = control._items(arguments)
     for line in map(json.loads, outcomes(arguments)):
         name, seed = line["run"].partition("/")[2].rsplit("/", 1)
@@ -132,6 +132,7 @@ def test_a_policy_that_was_changed_meanwhile_is_refused(asked, tmp_path):
         ((), {"seeds": 0}, "--seeds 0"),
         ((), {"against": "best_statics"}, "unknown agent 'best_statics'"),
         (("schedule",), {"suite": "no-v0"}, "no-v0"),
+        ((), {"suite": "fleet-v0"}, "is a fleet"),
     ],
 )
 def test_what_cannot_be_raced_is_one_clear_error(asked, controllers, others, message):

@@ -1,13 +1,14 @@
 """What a board costs: counted as it is run, shared runs once, and no faster on many cores than its longest run."""
 
-import json
-
 import pytest
 
 pytest.importorskip("matplotlib")  # the real terrain
 
+from antgym.envs.scenarios import find_items
 from antgym.errors import LedgerError
+from antgym.tuning.ledger import Ledger
 from experiments import costs
+from experiments.artefacts import _raced
 from experiments.leaderboard import Arguments, names_of, plan_board, untrained_board
 from experiments.presets import PRESETS
 
@@ -43,16 +44,23 @@ def test_runs_that_two_tracks_share_are_counted_once(rounds):
 
 
 def test_what_agents_think_is_read_from_a_board_and_scaled_to_the_budget(rounds, tmp_path):
-    lines = [{"run": f"random_search/10/map/{seed}", "tuner": 1.0 + seed, "planner": 9.0} for seed in (0, 2)]
-    (tmp_path / "timing.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    mine = "my/agent.py:Mine"
+    with Ledger(tmp_path, {"agents": [mine]}, {}) as ledger:
+        for seed in (0, 2):
+            ledger.run(f"random_search/10/map/{seed}").time(tuner=1.0 + seed, planner=9.0)
+        ledger.run(f"{mine}/10/map/0").time(tuner=4.0)
+        ledger.run("regression/map/0").time(tuner=1.0)  # steered
+        ledger.run("exact planner/map").time(planner=1.0)
     thought = costs.read_thought(tmp_path)
-    assert thought == {("random_search", 10): 2.0}
+    assert thought == {("random_search", 10): 2.0, (mine, 10): 4.0}
     clock = {(item.name, item.iterations): 0.0 for played in rounds for item in played.items}
     found = {share.name: share for share in costs.shares(rounds, FRESH, clock, thought)}
     assert found["track A, trials per map: 5"].thinking == pytest.approx(2 * 1.0)  # two maps, half the budget
 
 
 def test_a_board_without_seconds_is_named(tmp_path):
+    with Ledger(tmp_path, {}, {}):
+        pass
     with pytest.raises(LedgerError, match=r"there are no seconds of agents in timing\.jsonl"):
         costs.read_thought(tmp_path)
 
@@ -65,12 +73,14 @@ def test_a_dry_run_shows_every_number_of_cores_and_trains_nothing(tmp_path, monk
     assert not list(tmp_path.iterdir())
 
 
-def test_training_counts_what_other_files_are_made_of_and_maps_that_a_race_by_rules_adds():
+def test_what_training_takes_is_told_whoever_needs_the_file_and_never_too_low():
     preset = PRESETS["smoke"]
-    nets = costs.trainings(["neural_regression"], preset, 1, 0.5)
-    assert [(one.name, one.runs) for one in nets] == [("experience.json", 96)]
-    (race,) = costs.trainings(["best_static_by_rules"], preset, 3, 0.5)
-    assert race == ("static_by_rules.json", (8 + 2) * 8, 40.0)
+    found = {one.name: one.runs for one in costs.trainings(["neural_regression"], preset, 1.0, rules=1)}
+    assert found == {"experience.json": preset.experience_trials}
+    items = find_items("open-v0", "train")
+    (race,) = costs.trainings(["best_static_by_rules"], preset, 1.0, len(set(items.rules)))
+    assert race.runs >= len(_raced("open-v0", preset)) * preset.race_settings
+    assert race.seconds == race.runs
 
 
 @pytest.mark.parametrize(

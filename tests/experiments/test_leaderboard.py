@@ -22,7 +22,7 @@ from antgym.console import parse
 from antgym.errors import LedgerError, ParameterError
 from antgym.planners.threads import thread_count
 from antgym.tuning.ledger import MANIFEST, TRIALS
-from experiments import contest, leaderboard, steering
+from experiments import contest, leaderboard, provenance, steering
 from experiments.artefacts import prepare
 from experiments.leaderboard import Arguments, plan_board, run_board
 from experiments.presets import PRESETS, Preset
@@ -174,12 +174,19 @@ def test_another_set_of_agents_needs_another_folder(board):
         ({"budgets": (-1,), "track": ("B",)}, "--budgets -1"),
         ({"controllers": ("steer",)}, "add --track C"),
         ({"suite": "no/folder"}, "no such folder"),
+        ({"suite": "fleet-v0", "split": "test", "track": ("A", "C")}, "is a fleet, .* leave track C out"),
     ],
 )
 def test_what_no_board_can_be_made_of_is_refused_before_anything_is_written(tmp_path, others, message):
     with pytest.raises(ParameterError, match=message):
         run_board(Arguments("smoke", tmp_path / "board", **others))
     assert not (tmp_path / "board").exists()
+
+
+def test_a_boards_config_holds_what_decides_failures_and_the_harness_that_does():
+    short, long = (plan_board(Arguments("smoke", call_seconds=seconds)).config for seconds in (1.0, 2.0))
+    assert {name for name in short if short[name] != long[name]} == {"call_seconds"}
+    assert short["code"] == provenance.code_hash(*provenance.CONTEST) != provenance.code_hash()
 
 
 def test_maps_of_ones_own_need_rules_that_agents_can_learn_of(tmp_path):

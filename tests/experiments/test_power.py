@@ -14,12 +14,12 @@ from experiments.statistics.replication import Components, maps_needed
 GAPS = {"good": 0.1 * drawn(6, 2, 1), "bad": 0.2 * drawn(6, 2, 2), "worst": 0.4 * drawn(6, 2, 3)}
 
 
-def write_ledger(folder, gaps, budget="20/", missing=()):
+def write_ledger(folder, gaps, budget="20/", missing=(), maps="suite-v0/test/"):
     """A ledger of runs that ended with these gaps; a run is judged by two fresh ones."""
-    with Ledger(folder, {}, {}) as ledger:
+    with Ledger(folder, {"agents": list(gaps)}, {}) as ledger:
         for name, values in gaps.items():
             for (m, s), gap in np.ndenumerate(values):
-                key = f"{name}/{budget}suite-v0/test/{m}/{s}"
+                key = f"{name}/{budget}{maps}{m}/{s}"
                 if key not in missing:
                     ledger.run(key).finish(Outcome((0.5,), (1.0, 1.0), (gap - 0.01, gap + 0.01)))
     return folder
@@ -37,10 +37,10 @@ def test_a_ledger_says_what_its_agents_reached(tmp_path):
 
 
 def test_the_largest_budget_is_taken_or_the_one_that_is_asked_for(tmp_path):
-    write_ledger(tmp_path, {"good": GAPS["good"]}, "1/")
-    write_ledger(tmp_path, {"bad": GAPS["bad"]}, "20/")
-    assert list(read_ledger(tmp_path, None).gaps) == ["bad"]
-    assert list(read_ledger(tmp_path, 1).gaps) == ["good"]
+    write_ledger(tmp_path, GAPS, "1/")
+    write_ledger(tmp_path, {name: GAPS["good"] for name in GAPS}, "20/")
+    assert read_ledger(tmp_path, None).gaps["bad"] == pytest.approx(GAPS["good"])
+    assert read_ledger(tmp_path, 1).gaps["bad"] == pytest.approx(GAPS["bad"])
     with pytest.raises(AntgymError, match=r"--budget 5 was not measured in .*; there are 1, 20"):
         read_ledger(tmp_path, 5)
 
@@ -49,6 +49,15 @@ def test_a_race_of_controllers_has_no_budget_and_an_agents_file_may_lie_in_a_fol
     assert list(read_ledger(write_ledger(tmp_path / "a", GAPS, budget=""), None).gaps) == list(GAPS)
     stranger = {"my/agent.py:Mine": GAPS["good"]}
     assert list(read_ledger(write_ledger(tmp_path / "b", stranger), None).gaps) == list(stranger)
+
+
+@pytest.mark.parametrize("budget", ["20/", ""])
+def test_agents_and_maps_may_lie_in_folders_and_maps_begin_with_a_digit(tmp_path, budget):
+    gaps = {"my/agent.py:Mine": GAPS["good"], "/home/me/agent.py:Mine": GAPS["bad"], "ga": GAPS["worst"]}
+    measured = read_ledger(write_ledger(tmp_path, gaps, budget, maps="32room_000.map.scen:"), None)
+    assert measured.budget == (20 if budget else None)
+    for name, values in gaps.items():
+        assert measured.gaps[name] == pytest.approx(values)
 
 
 def test_an_agent_without_all_of_its_runs_is_left_out_and_named(tmp_path):

@@ -5,10 +5,11 @@ import sys
 import pytest
 
 from antgym.errors import LedgerError
-from antgym.tuning.ledger import MANIFEST, TRIALS, Ledger, Outcome
+from antgym.tuning.ledger import MANIFEST, TIMING, TRIALS, Ledger, Outcome
 from antgym.tuning.session import Record, Trial
 from experiments import status
-from experiments.orders import ask, asked, broken, note_broken
+from experiments.orders import BROKEN, ask, asked, broken, note_broken
+from experiments.rows import read_clocks
 from experiments.status import survey, to_lists
 
 KEYS = [f"ga/3/map-{i}/0" for i in range(4)]
@@ -91,6 +92,32 @@ def test_a_damaged_ledger_is_named_beside_the_others(tmp_path):
     standing = standing_of(tmp_path)
     assert not standing.whole
     assert "line 1 is damaged" in standing.holdings[1].damage
+
+
+@pytest.mark.parametrize("manifest", ["{", '{"schema": 2}', "[]"])
+def test_a_damaged_manifest_ends_no_survey(tmp_path, manifest):
+    write(tmp_path / "a", KEYS)
+    (write(tmp_path / "b") / MANIFEST).write_text(manifest)
+    whole, damaged = survey([tmp_path])
+    assert (whole.whole, damaged.whole) == (True, False)
+    assert "manifest.json is damaged" in damaged.holdings[0].damage
+
+
+@pytest.mark.parametrize("line", ["{", "7", '{"run": "a"}'])
+def test_a_damaged_line_of_what_broke_off_is_named_beside_the_runs(tmp_path, line):
+    write(tmp_path, KEYS[1:])
+    (tmp_path / BROKEN).write_text(f"{line}\n")
+    standing = standing_of(tmp_path)
+    assert "broken.jsonl, line 1 is damaged" in standing.holdings[0].damage
+    assert (standing.finished, standing.whole) == (set(KEYS[1:]), False)
+
+
+@pytest.mark.parametrize("line", ["{", '{"tuner": 1.0}'])
+def test_a_damaged_line_of_seconds_is_named(tmp_path, line):
+    write(tmp_path, KEYS[1:])
+    (tmp_path / TIMING).write_text(f'{{"run":"a","tuner":1.0}}\n{line}\n')
+    with pytest.raises(LedgerError, match=r"timing\.jsonl, line 2 is damaged"):
+        read_clocks(tmp_path)
 
 
 def test_boards_of_different_configs_stand_apart(tmp_path):

@@ -160,6 +160,22 @@ def test_a_file_that_changed_needs_another_folder(tmp_path):
             ledger.pin(foreign_files([name]))
 
 
+def test_what_an_agent_imports_from_beside_it_is_pinned_too_and_none_of_it_is_run(tmp_path):
+    (tmp_path / "kit").mkdir()
+    (tmp_path / "kit" / "__init__.py").write_text("")
+    (tmp_path / "kit" / "steps.py").write_text("from helper import SIZE")
+    (tmp_path / "helper.py").write_text("SIZE = 1\nraise SystemExit")
+    (tmp_path / "apart.py").write_text("")
+    (tmp_path / "mine.py").write_text(f"import numpy\nimport kit.steps\n{ZOO.read_text()}")
+    name = f"{tmp_path / 'mine.py'}:Honest"
+    files = ("helper.py", "kit/__init__.py", "kit/steps.py", "mine.py")
+    before = foreign_files([name])
+    assert sorted(before) == [f"{name} ({file})" for file in files]
+    (tmp_path / "helper.py").write_text("SIZE = 2")
+    after = foreign_files([name])
+    assert [key for key in before if before[key] != after[key]] == [f"{name} (helper.py)"]
+
+
 def test_strangers_and_submissions_play_where_settings_stay_within_a_run(trained, tmp_path):
     """Track C takes what agents recommend without a trial; who fails is no reason for the others to stop."""
     names = (f"{ZOO}:Honest", f"{ZOO}:AnswersNaN", str(EXAMPLE))

@@ -14,7 +14,7 @@ from antgym.errors import LedgerError, ParameterError
 from antgym.tuning.ledger import MANIFEST, TRIALS
 from antgym.tuning.traces import read_trace
 from experiments import leaderboard
-from experiments.artefacts import prepare
+from experiments.artefacts import MADE, prepare
 from experiments.orders import asked
 from experiments.presets import PRESETS, Preset
 from experiments.status import survey, to_lists
@@ -30,9 +30,10 @@ BACKENDS = ("loky", "dask")
 
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory):
-    """Files of the agents that are on every board, as small as they come."""
+    """Files of the agents that are on every board, as small as they come, for boards of any preset."""
     folder = tmp_path_factory.mktemp("trained")
     prepare(folder, "mountain-v0", TINY, ALWAYS)
+    (folder / MADE).unlink()
     return folder
 
 
@@ -134,6 +135,16 @@ def test_merging_says_what_is_missing_and_counts_once_what_two_shards_hold(tiny,
     assert (len(standing.finished), len(standing.twice), standing.whole) == (RUNS, RUNS // 2, True)
     assert sweep(replace(given, merge=True)).startswith("page: ")
     assert sorted_lines(tmp_path / "board") == sorted_lines(tmp_path / "board" / "shards" / "1-of-1")
+
+
+def test_a_shard_that_is_done_stands_whole_and_its_sweep_lacks_the_others(tiny, tmp_path):
+    given = tiny("board")
+    sweep(replace(given, shard="1/2"))
+    (shard,) = survey([Shard(1, 2).folder(tmp_path / "board")])
+    assert (shard.whole, len(shard.asked)) == (True, RUNS // 2)
+    (standing,) = survey([tmp_path / "board"])  # where no ledger is
+    assert (len(standing.finished), len(standing.missing)) == (RUNS // 2, RUNS // 2)
+    assert standing.finished == shard.finished
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 50])

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from antgym.errors import AntgymError
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, Outcome
 from experiments import contest
 from experiments.bound import candidates, virtual_best
-from experiments.tracks import Round, budgets_of, jobs, per_map
+from experiments.rows import to_row
+from experiments.tracks import Round, budgets_of, jobs, per_map, read_key
 
 NAMES = {
     "rl": "agent",
@@ -35,6 +37,28 @@ def test_budgets_of_a_track(track, largest, asked, budgets):
     assert budgets_of(track, largest, asked) == budgets
 
 
+@pytest.mark.parametrize(
+    ("key", "parts"),
+    [
+        ("ga/20/mountain-v0/ood/3/1", ("ga", 20, "mountain-v0/ood/3", 1)),
+        ("ga/20/32room.map.scen:5/0", ("ga", 20, "32room.map.scen:5", 0)),
+        ("ga/7/0", ("ga", None, "7", 0)),
+        ("ga/20//data/x.map/0", ("ga", 20, "/data/x.map", 0)),
+        ("my/a.py:A/0/flat/12", ("my/a.py:A", 0, "flat", 12)),
+        ("my/a.py:A/flat/12", ("my/a.py:A", None, "flat", 12)),
+        ("my/a.py:A/deep/20/flat/12", ("my/a.py:A/deep", 20, "flat", 12)),
+    ],
+)
+def test_a_key_is_read_as_it_was_made(key, parts):
+    assert read_key(key, ["my/a.py:A", "my/a.py:A/deep"]) == parts
+
+
+@pytest.mark.parametrize("key", ["exact planner", "exact planner/flat", "ga/20/flat/first"])
+def test_what_no_contest_calls_a_run_is_no_key(key):
+    with pytest.raises(AntgymError, match="is none of a contest"):
+        read_key(key, [])
+
+
 def test_on_track_b_who_did_not_learn_is_there_to_compare_with():
     kinds = {entrant.name: entrant.kind for entrant in per_map("B", ENTRANTS, 5)}
     assert kinds == {
@@ -56,6 +80,16 @@ def test_runs_that_two_rounds_share_are_played_once():
     assert len(jobs(rounds)) == len(ENTRANTS) * len(items) * 3
     rounds.append(Round("B", 0, per_map("B", ENTRANTS, 0), items, 3))
     assert len({job.key for job in jobs(rounds)}) == (len(ENTRANTS) + 3) * len(items) * 3
+
+
+def test_seconds_that_were_lost_are_not_nought(tmp_path):
+    played = Round("A", 5, ENTRANTS[1:2], load_suite("mountain-v0", "test")[:2], 2)
+    keys = [job.key for job in played.jobs]
+    with Ledger(tmp_path, {}, {}) as ledger:
+        for key in keys:
+            ledger.run(key).finish(Outcome((0.5,), (1.0,), (0.0,)))
+        row = to_row(played, ENTRANTS[1], ledger, {keys[0]: {"tuner": 1.0}, keys[3]: {"tuner": 3.0}})
+    assert (row.tuner_seconds, row.planner_seconds) == (2.0, None)
 
 
 def test_the_virtual_best_by_eye():

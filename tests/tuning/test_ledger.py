@@ -222,6 +222,8 @@ def test_a_damaged_line_is_named_with_its_number(tmp_path, damage):
 
 
 def test_a_damaged_ledger_is_left_as_it_is_and_unlocked(tmp_path):
+    with opened(tmp_path):
+        pass
     (tmp_path / TRIALS).write_text("{\n")
     for _ in range(2):
         with pytest.raises(LedgerError, match="line 1 is damaged"):

@@ -4,6 +4,7 @@ import json
 import logging
 
 import pytest
+from full_disk import most_bytes
 
 from antgym.errors import LedgerError
 from antgym.tuning.ledger import MANIFEST, TIMING, TRIALS, Ledger, Outcome, read_runs
@@ -56,6 +57,17 @@ def test_seeds_are_kept_to_the_bit_by_readers_that_round_numbers(tmp_path):
     write_part(tmp_path, trials=1)
     assert json.loads(lines(tmp_path)[0], parse_int=float)["seed"] == "0xffffffffffffffff"
     assert read_runs(tmp_path)["a/3/valley/0"].records == [record(0)]
+
+
+def test_trials_without_a_manifest_are_nobodys(tmp_path):
+    """Any config could take them for its own."""
+    write_part(tmp_path)
+    (tmp_path / MANIFEST).unlink()
+    with pytest.raises(LedgerError, match=r"holds trials\.jsonl without the manifest\.json"):
+        opened(tmp_path, {"budget": 100})
+    (tmp_path / TRIALS).write_text("")  # as where a crash came before the manifest
+    with opened(tmp_path, {"budget": 100}) as ledger:
+        assert not list(ledger.runs())
 
 
 def test_a_ledger_of_schema_1_is_read(old):
@@ -112,7 +124,10 @@ def test_parts_that_tell_of_a_run_differently_are_refused_and_nothing_is_taken(t
     before = lines(tmp_path / "merged")
     with (
         opened(tmp_path / "merged") as ledger,
-        pytest.raises(LedgerError, match="'a/3/valley/0' is another one"),
+        pytest.raises(
+            LedgerError,
+            match=rf"'a/3/valley/0' is another one in .*merged than in {part};",
+        ),
     ):
         ledger.absorb(part)
     assert lines(tmp_path / "merged") == before
@@ -160,6 +175,24 @@ def test_what_is_held_is_written_when_the_outermost_block_ends(tmp_path):
             OUTCOME,
             ['{"run":"b","tuner":1.0}'],
         )
+
+
+def paid_and_timed(run):
+    with run.hold():
+        run.append([record(0)])
+        run.time(tuner=1.0)
+
+
+def test_a_disk_too_full_for_seconds_loses_no_trial(tmp_path):
+    with opened(tmp_path) as ledger:
+        run = ledger.run("a")
+        for _ in range(50):
+            run.time(tuner=1.0)
+        before = (tmp_path / TIMING).stat().st_size
+        with most_bytes(before), pytest.raises(LedgerError, match="the trials of this batch are kept"):
+            paid_and_timed(run)
+        assert (run.records, (tmp_path / TIMING).stat().st_size) == ([record(0)], before)
+    assert read_runs(tmp_path)["a"].records == [record(0)]
 
 
 def interrupted(run):
