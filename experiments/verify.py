@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 import antgym
 from agents.steering import PolicyController
-from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
+from agents.submission import MANIFEST, Submission, Table, TableAgent, make_agent, read_submission
 from antgym.console import main, parse, progress
 from antgym.envs.control import BLOCKS
 from antgym.errors import AgentError, ParameterError, nearest
@@ -44,7 +44,10 @@ PROG = "python -m experiments.verify"
 
 @dataclass(frozen=True)
 class Arguments:
-    """Score a submission again on fresh seeds, and say "verified" (exit code 0) or what differs (1)."""
+    """Score a submission again on fresh seeds, and say "verified" (exit code 0) or what differs (1).
+
+    The exit code is 2, and a line says why, where the folder holds no submission that can be scored.
+    """
 
     folder: tyro.conf.Positional[Path]
     """Folder of the submission."""
@@ -98,10 +101,26 @@ def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
         raise ParameterError(
             f"{folder / MANIFEST}: field 'maps' = {submission.maps}: {suite} has {len(suite)} maps"
         )
+    _check_names(folder, submission, suite)
     items = suite[: submission.maps]
     if submission.track == "C":
         return steerable(items)
     return list(items)
+
+
+def _check_names(folder: Path, submission: Submission, suite: Sequence[SuiteItem]) -> None:
+    """Raise ParameterError where a table has a setting for a map that its suite's split has not."""
+    if submission.kind != "table":
+        return
+    path = folder / submission.files[0]
+    given = Table.read(path).by_scenario
+    known = tuple(item.name for item in suite) if given else ()
+    for name in given:
+        if name not in known:
+            raise ParameterError(
+                f"{path}: field 'by_scenario': no map of {submission.suite}, {submission.split} is called {name!r}; "
+                f"{nearest(name, known)}"
+            )
 
 
 def _runs(folder: Path, submission: Submission) -> Run:
@@ -178,6 +197,11 @@ def report(submission: Submission, score: Score, low: float, high: float, salt: 
     ]
     if submission.antgym != antgym.__version__:
         lines.append(f"note     claimed with antgym {submission.antgym}, scored with {antgym.__version__}")
+    if submission.trials:
+        lines.append(
+            f"note     {submission.trials:,} trials on each map, by its own word: no place in track {submission.track} "
+            "where fewer are allowed"
+        )
     if low <= claim <= high:
         return "\n".join([*lines, "verified"])
     how = "lower than what it does" if claim < low else "higher than what it does"
