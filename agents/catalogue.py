@@ -18,6 +18,8 @@ class Card(NamedTuple):
         libraries: distributions that its results depend on, numpy apart.
         files: that an agent from outside the catalogue consists of.
         training: planner runs that whoever submitted it says its making spent.
+        track: the one that it was submitted for; "" for who was not.
+        trials: planner runs on each map that whoever submitted it says it takes.
     """
 
     name: str
@@ -29,6 +31,8 @@ class Card(NamedTuple):
     libraries: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
     training: int = 0
+    track: str = ""
+    trials: int = 0
 
 
 _OPTUNA, _TRANSFER = "agents.bayesian:OptunaSearch", "agents.transfer:TransferAgent"

@@ -247,7 +247,6 @@ def card_of(name: str) -> Card:
     folder = Path(name)
     submission = read_submission(folder)
     policy = submission.kind == "policy"
-    spent = submission.training_trials + (0 if policy else submission.trials * submission.maps)
     return Card(
         name=name,
         entry_point="agents.submission:make_agent",
@@ -256,5 +255,7 @@ def card_of(name: str) -> Card:
         needs="rl" if policy else None,
         libraries=RL_LIBRARIES if policy else (),
         files=(folder / MANIFEST, *(folder / file for file in submission.files)),
-        training=spent,
+        training=submission.training_trials,
+        track=submission.track,
+        trials=submission.trials,
     )

@@ -212,6 +212,13 @@ class Board:
         return {row.name: Place(i + 1, ties[i]) for i, row in enumerate(agents)}
 
     @cached_property
+    def outdone_by(self) -> tuple[Row, ...]:
+        """References that are better than every agent, without the bounds, which are so by what they are."""
+        best = min((row.mean for row in self.rows if row.kind == "agent"), default=-np.inf)
+        others = (row for row in self.ranked if row.kind == "reference" and row.name not in (EXACT, VBS))
+        return tuple(row for row in others if row.mean < best)
+
+    @cached_property
     def closed(self) -> dict[str, Estimate]:
         """Share of what lies between SBS and VBS that each row closes, by name; empty where the two are not apart."""
         static, best = self._find(SBS), self._find(VBS)

@@ -118,8 +118,7 @@ def plan_board(arguments: Arguments) -> Plan:
 
 
 def _check(arguments: Arguments) -> None:
-    for name in arguments.agents:
-        agents.find_card(name)
+    cards = [agents.find_card(name) for name in arguments.agents]
     for option, values in (("agents", arguments.agents), ("track", arguments.track)):
         if len(set(values)) < len(values) or not values:
             raise ParameterError(f"--{option} {' '.join(values)}: name at least one, and each once")
@@ -129,8 +128,24 @@ def _check(arguments: Arguments) -> None:
         raise ParameterError("--split train: agents learn from these maps; judge on validation, test or ood")
     for track in arguments.track:
         _budgets(track, arguments)
+    for card in cards:
+        _check_place(card, arguments)
     if arguments.controllers and "C" not in arguments.track:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
+
+
+def _check_place(card: agents.Card, arguments: Arguments) -> None:
+    """Raise ParameterError where a submission would be in none of the rounds."""
+    rounds = [(track, budget) for track in _tracks(arguments) for budget in _budgets(track, arguments)]
+    if any(tracks.admits(track, budget, card) for track, budget in rounds):
+        return
+    way = f"give --track {card.track} and --budgets of as many, or leave it out"
+    if card.track == "C":
+        way = f"it steers: give its file, --track C --controllers {card.files[1]}"
+    raise ParameterError(
+        f"--agents {card.name}: submitted for track {card.track}, {card.trials:,} trials on each map, has no place "
+        f"on any of these boards; {way}"
+    )
 
 
 def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
@@ -174,8 +189,11 @@ def enter_board(arguments: Arguments, plan: Plan) -> list[Round]:
 def untrained_board(arguments: Arguments, plan: Plan) -> list[Round]:
     """Return the rounds of a board with an agent that needs nothing in the place of every other, to count its runs."""
     nobody = agents.make("published_default")
+    cards = map(agents.find_card, names_of(arguments))
     return board_rounds(
-        arguments, plan, [Entrant(name, "agent", "", nobody, 0) for name in names_of(arguments)]
+        arguments,
+        plan,
+        [Entrant(card.name, "agent", "", nobody, card.training, card.track, card.trials) for card in cards],
     )
 
 

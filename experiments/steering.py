@@ -129,7 +129,7 @@ def controllers(
         ParameterError: where two have the same name, or a policy cannot be read.
     """
     found = []
-    for name, kind, summary, agent, training in constants:
+    for name, kind, summary, agent, training, *_ in constants:
         found.append(Entrant(name, ConstantController(agent), training, kind, summary))
         if schedule and name == against:
             changed = f"{against}, changed once within the run as the card of the world says"

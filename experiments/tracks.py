@@ -6,7 +6,7 @@ once, for a round of B is one of A with fewer competitors.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import agents
 from antgym.errors import ParameterError
@@ -76,21 +76,53 @@ def budgets_of(track: Track, largest: int, asked: Sequence[int]) -> tuple[int, .
     return tuple(sorted(budget for budget in asked if budget >= least))
 
 
-def _learnt(name: str) -> bool:
-    """Return whether an agent learnt before it met a new map, or may have: nothing is known of strangers."""
-    card = agents.CATALOGUE.get(name.partition(":")[0])
-    return card is None or card.trained
+class Declared(Protocol):
+    """What an agent was submitted for; its track is "" where it was not."""
+
+    @property
+    def track(self) -> str:
+        """The track."""
+        ...
+
+    @property
+    def trials(self) -> int:
+        """Planner runs that were paid for on each map."""
+        ...
+
+
+def admits(track: Track, budget: int, one: Declared) -> bool:
+    """Return whether an agent may play a round: a submission where it says so, at no fewer trials than it took.
+
+    What needs no trial on a map is shown in C, too.
+    """
+    if track == "C":
+        return not one.track or (one.track == "B" and not one.trials)
+    return not one.track or (one.track == track and budget >= one.trials)
+
+
+def _card(entrant: contest.Entrant) -> agents.Card | None:
+    return agents.CATALOGUE.get(entrant.name.partition(":")[0])
+
+
+def _learnt(entrant: contest.Entrant) -> bool:
+    """Return whether an agent learnt before it met a new map; one from outside, whether it is charged for that."""
+    card = _card(entrant)
+    return entrant.training > 0 if card is None else card.trained
 
 
 def per_map(track: Track, entrants: Sequence[contest.Entrant], budget: int) -> tuple[contest.Entrant, ...]:
-    """Return who plays a round of A or B; in B who did not learn is there to compare with, or not at all."""
+    """Return who plays a round of A or B; in B who did not learn is there to compare with, or not at all.
+
+    An agent from outside the catalogue is always there.
+    """
+    playing = tuple(entrant for entrant in entrants if admits(track, budget, entrant))
     if track == "A":
-        return tuple(entrants)
+        return playing
     shown = (*WITHOUT_TRIALS, SEARCH) if budget else WITHOUT_TRIALS
     return tuple(
-        entrant if _learnt(entrant.name) else entrant._replace(kind="reference")
-        for entrant in entrants
-        if _learnt(entrant.name) or entrant.name in shown
+        entrant if _learnt(entrant) else entrant._replace(kind="reference")
+        for entrant in playing
+        if _learnt(entrant) or _card(entrant) is None or entrant.name in shown
     )
 
 
@@ -98,7 +130,10 @@ def within_runs(
     entrants: Sequence[contest.Entrant], suite: str, policies: Sequence[str]
 ) -> tuple[steering.Entrant, ...]:
     """Return who steers in C: what B's agents recommend without a trial, the card's schedule, and policies."""
-    constants = per_map("B", entrants, 0)
+    constants = [
+        entrant._replace(kind="reference") if entrant.track else entrant
+        for entrant in per_map("B", entrants, 0)
+    ]
     return tuple(steering.controllers(constants, policies, SBS_BY_RULE, steering.find_schedule(suite)))
 
 

@@ -12,7 +12,7 @@ import pytest
 from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row, small_site
 
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
-from experiments.board import EXACT, Picture
+from experiments.board import EXACT, VBS, Picture
 from experiments.columns import COLUMNS, percent
 from experiments.report.hues import hues
 from experiments.report.page import write_site
@@ -93,6 +93,16 @@ def test_page_says_who_is_ahead_and_whether_that_is_sure():
     low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
     assert "<strong>a</strong> is ahead" in ahead(board(row("a", low), row("b", high)))
     assert "not told apart from <strong>b</strong>" in ahead(board(row("a", low), row("b", low)))
+
+
+def test_page_says_who_competes_alone_and_whom_references_outdo():
+    """The bounds are better than anybody, and say nothing against who is ahead."""
+    low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
+    bounds = [row(name, np.zeros((4, 2)), "reference") for name in (EXACT, VBS)]
+    said = ahead(board(row("a", high), row("r", low, "reference"), *bounds))
+    assert said.startswith("Only <strong>a</strong> competes here, with a mean gap of 50.0")
+    assert said.endswith("; 1 reference is better.")
+    assert "reference" not in ahead(board(row("a", low), row("b", high), *bounds))
 
 
 def test_site_loads_its_own_files_and_nothing_else(site):
