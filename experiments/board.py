@@ -256,7 +256,7 @@ def _ties(agents: Sequence[Row]) -> list[bool]:
 
 def to_table(board: Board) -> Table:
     """Return the board for a terminal; references stand in their order, dim and without a place."""
-    caption = Text("\n".join([f"{size(board)}. {TIE}", *failures(board)]))
+    caption = Text("\n".join([f"{size(board)}. Without #: references. {TIE}", *failures(board)]))
     table = Table(title=Text(headline(board)), caption=caption, box=SIMPLE_HEAD, padding=0)
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("agent", overflow="fold")

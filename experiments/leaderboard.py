@@ -64,8 +64,9 @@ class Arguments:
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue, path/to/file.py:ClassName of your own, folders of submissions; some references are there
-    with any."""
+    """Names in the catalogue, path/to/file.py:ClassName of your own, folders of submissions; with any there are, as
+    references without a place: uniform_random, published_default, random_search, best_static, best_static_by_rules,
+    copy_best_source, regression, the exact planner and the virtual best."""
     suite: str = "mountain-v0"
     """Suite of the maps, or a folder of them; trained agents learn from its train split."""
     split: str = "ood"
