@@ -41,8 +41,12 @@ def test_the_largest_budget_is_taken_or_the_one_that_is_asked_for(tmp_path):
     write_ledger(tmp_path, {"bad": GAPS["bad"]}, "20/")
     assert list(read_ledger(tmp_path, None).gaps) == ["bad"]
     assert list(read_ledger(tmp_path, 1).gaps) == ["good"]
-    with pytest.raises(AntgymError, match=r"--budget 5 was not measured in .*; there are 1, 20"):
-        read_ledger(tmp_path, 5)
+    write_ledger(tmp_path, {"good": GAPS["good"]}, "")
+    write_ledger(tmp_path, {"good": GAPS["good"]}, "5/")
+    known = "there are 1, 5, 20, runs without one, of track C"
+    with pytest.raises(AntgymError, match=f"--budget 7 was not measured in .*; {known}"):
+        read_ledger(tmp_path, 7)
+    assert [read_ledger(tmp_path, budget).track for budget in (None, 5)] == ["track A or B"] * 2
 
 
 def test_a_race_of_controllers_has_no_budget_and_an_agents_file_may_lie_in_a_folder(tmp_path):
@@ -79,6 +83,13 @@ def test_one_seed_a_map_says_nothing_of_more_and_equal_agents_nothing_at_all(tmp
     assert cells(text.splitlines()[2])[-1] == "maps for 2 points: 1 seed"
     assert cells(text.splitlines()[4])[-3:] == ["–", "–", "–"]
     assert "With one seed a map" in text
+    assert "both agents are the same in every run" in text
+
+
+def test_no_difference_is_above_the_scale_of_gaps(tmp_path):
+    path = tmp_path / "gaps.json"
+    path.write_text(json.dumps({"a": [[0, 1], [1, 0], [0, 1]], "b": [[1, 0], [0, 1], [1, 0.1]]}))
+    assert "| > 100 |" in report(Arguments(gaps=path))
 
 
 def test_deviations_are_enough():
