@@ -17,9 +17,9 @@ class Card(NamedTuple):
         trained: whether it needs a fitted artefact, which ``make`` must be given.
         libraries: distributions that its results depend on, numpy apart.
         files: that an agent from outside the catalogue consists of.
-        training: planner runs that whoever submitted it says its making spent.
         track: the one that it was submitted for; "" for who was not.
         trials: planner runs on each map that whoever submitted it says it takes.
+        training: planner runs that whoever submitted it says its making spent.
     """
 
     name: str
@@ -30,9 +30,9 @@ class Card(NamedTuple):
     trained: bool = False
     libraries: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
-    training: int = 0
     track: str = ""
     trials: int = 0
+    training: int = 0
 
 
 _OPTUNA, _TRANSFER = "agents.bayesian:OptunaSearch", "agents.transfer:TransferAgent"

@@ -61,7 +61,7 @@ COLUMNS = (
     Column(
         "mean gap %",
         "(L − L*) / L* of the path found with the recommended setting, averaged over maps and tuner seeds; no path "
-        "counts as 100 %, as does any gap above 100 %. In brackets its 95 % interval (bootstrap over maps).",
+        "counts as 100 %. In brackets its 95 % interval (bootstrap over maps).",
         lambda row, board: row.mean,
         percent,
         lambda row, board: row.interval,
@@ -84,8 +84,7 @@ COLUMNS = (
         "closed %",
         "Share that is closed of the gap between the single best static setting (SBS, best_static) and the virtual "
         "best (VBS, a bound): 100 % is the best that anybody recommended on each map, below 0 % is worse than one "
-        "setting for all. In brackets its 95 % interval. No value where the two are not told apart, so that there is "
-        "nothing to share.",
+        "setting for all. In brackets its 95 % interval.",
         lambda row, board: _mean(board.closed.get(row.name)),
         signed_share,
         lambda row, board: _ends(board.closed.get(row.name)),

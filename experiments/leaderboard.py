@@ -135,20 +135,6 @@ def _check(arguments: Arguments) -> None:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
 
 
-def _check_place(card: agents.Card, arguments: Arguments) -> None:
-    """Raise ParameterError where a submission would be in none of the rounds."""
-    rounds = [(track, budget) for track in _tracks(arguments) for budget in _budgets(track, arguments)]
-    if any(tracks.admits(track, budget, card) for track, budget in rounds):
-        return
-    way = f"give --track {card.track} and --budgets of as many, or leave it out"
-    if card.track == "C":
-        way = f"it steers: give its file, --track C --controllers {card.files[1]}"
-    raise ParameterError(
-        f"--agents {card.name}: submitted for track {card.track}, {card.trials:,} trials on each map, has no place "
-        f"on any of these boards; {way}"
-    )
-
-
 def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
     """Return the maps of a board, under rules that agents can learn of."""
     maps = preset.scenarios if arguments.maps is None else arguments.maps
@@ -168,6 +154,17 @@ def _tracks(arguments: Arguments) -> list[Track]:
 
 def _budgets(track: Track, arguments: Arguments) -> tuple[int, ...]:
     return tracks.budgets_of(track, PRESETS[arguments.preset].budget, arguments.budgets)
+
+
+def _check_place(card: agents.Card, arguments: Arguments) -> None:
+    """Raise ParameterError where a submission, of A or B, would be in none of the rounds."""
+    rounds = [(track, budget) for track in _tracks(arguments) for budget in _budgets(track, arguments)]
+    if card.track == "C" or any(tracks.admits(track, budget, card) for track, budget in rounds):
+        return
+    raise ParameterError(
+        f"--agents {card.name}: submitted for track {card.track}, {card.trials:,} trials on each map, has no place "
+        f"on any of these boards; give --track {card.track} and --budgets of as many, or leave it out"
+    )
 
 
 def _references(arguments: Arguments) -> tuple[str, ...]:

@@ -123,8 +123,7 @@ def bound_row(played: Round, others: Sequence[Round], ledger: Ledger) -> Row | N
         name=VBS,
         kind="reference",
         summary=f"the best {who} on each map, {np.mean([len(pool) for pool in pools]):.0f} candidates, chosen on all "
-        "of their runs but one and scored on that one, each in turn: a bound, no agent; it may lie above "
-        "an agent, for it is chosen without the run that scores it",
+        "of their runs but one and scored on that one, each in turn: a bound, no agent",
         gaps=tuple((gap,) * played.seeds for gap in found[:, 0].tolist()),
         success=float(found[:, 1].mean()),
         deploy=_paid(others, ledger) / len(played.items),

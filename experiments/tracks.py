@@ -96,7 +96,7 @@ def admits(track: Track, budget: int, one: Declared) -> bool:
     What needs no trial on a map is shown in C, too.
     """
     if track == "C":
-        return not one.track or (one.track == "B" and not one.trials)
+        return one.track in ("", "C") or (one.track == "B" and not one.trials)
     return not one.track or (one.track == track and budget >= one.trials)
 
 
@@ -130,10 +130,7 @@ def within_runs(
     entrants: Sequence[contest.Entrant], suite: str, policies: Sequence[str]
 ) -> tuple[steering.Entrant, ...]:
     """Return who steers in C: what B's agents recommend without a trial, the card's schedule, and policies."""
-    constants = [
-        entrant._replace(kind="reference") if entrant.track else entrant
-        for entrant in per_map("B", entrants, 0)
-    ]
+    constants = per_map("B", entrants, 0)
     return tuple(steering.controllers(constants, policies, SBS_BY_RULE, steering.find_schedule(suite)))
 
 

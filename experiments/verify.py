@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 import antgym
 from agents.steering import PolicyController
-from agents.submission import MANIFEST, Submission, Table, TableAgent, make_agent, read_submission
+from agents.submission import MANIFEST, Submission, TableAgent, make_agent, read_submission
 from antgym.console import main, parse, progress
 from antgym.envs.control import BLOCKS
 from antgym.errors import AgentError, ParameterError, nearest
@@ -112,8 +112,8 @@ def _check_names(folder: Path, submission: Submission, suite: Sequence[SuiteItem
     """Raise ParameterError where a table has a setting for a map that its suite's split has not."""
     if submission.kind != "table":
         return
-    path = folder / submission.files[0]
-    given = Table.read(path).by_scenario
+    path, agent = folder / submission.files[0], make_agent(str(folder))
+    given = agent.table.by_scenario if isinstance(agent, TableAgent) else {}
     known = tuple(item.name for item in suite) if given else ()
     for name in given:
         if name not in known:
