@@ -48,12 +48,6 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
     )
 
 
-def _paid_on_a_map(entrant: Entrant, runs: Sequence[LedgerRun]) -> float:
-    """Return the trials a map: those of the ledger, or what a submission says it took before."""
-    before = entrant.trials if isinstance(entrant, contest.Entrant) else 0
-    return float(np.mean([max(before, len(run.records)) for run in runs]))
-
-
 def _optimism(jobs: Sequence[Job], runs: Sequence[LedgerRun]) -> float | None:
     """Return by how much fresh runs fell short of what an agent saw of its setting; None where it saw nothing."""
     found = []
@@ -63,6 +57,12 @@ def _optimism(jobs: Sequence[Job], runs: Sequence[LedgerRun]) -> float | None:
         if seen and not run.outcome.failure:
             found.append(np.mean(run.outcome.gaps) - job.problem.gap(np.array(seen)).mean())
     return float(np.mean(found)) if found else None
+
+
+def _paid_on_a_map(entrant: Entrant, runs: Sequence[LedgerRun]) -> float:
+    """Return the trials a map: those of the ledger, or what a submission says it took before."""
+    before = entrant.trials if isinstance(entrant, contest.Entrant) else 0
+    return float(np.mean([max(before, len(run.records)) for run in runs]))
 
 
 def _card(entrant: Entrant) -> dict[str, Any]:

@@ -6,7 +6,7 @@ once, for a round of B is one of A with fewer competitors.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import agents
 from antgym.errors import ParameterError
@@ -76,21 +76,7 @@ def budgets_of(track: Track, largest: int, asked: Sequence[int]) -> tuple[int, .
     return tuple(sorted(budget for budget in asked if budget >= least))
 
 
-class Declared(Protocol):
-    """What an agent was submitted for; its track is "" where it was not."""
-
-    @property
-    def track(self) -> str:
-        """The track."""
-        ...
-
-    @property
-    def trials(self) -> int:
-        """Planner runs that were paid for on each map."""
-        ...
-
-
-def admits(track: Track, budget: int, one: Declared) -> bool:
+def admits(track: Track, budget: int, one: agents.Card | contest.Entrant) -> bool:
     """Return whether an agent may play a round: a submission where it says so, at no fewer trials than it took.
 
     What needs no trial on a map is shown in C, too.

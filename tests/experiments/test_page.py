@@ -12,7 +12,7 @@ import pytest
 from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row, small_site
 
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
-from experiments.board import EXACT, VBS, Picture
+from experiments.board import EXACT, Picture
 from experiments.columns import COLUMNS, percent
 from experiments.report.hues import hues
 from experiments.report.page import write_site
@@ -98,7 +98,7 @@ def test_page_says_who_is_ahead_and_whether_that_is_sure():
 def test_page_says_who_competes_alone_and_whom_references_outdo():
     """The bounds are better than anybody, and say nothing against who is ahead."""
     low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
-    bounds = [row(name, np.zeros((4, 2)), "reference") for name in (EXACT, VBS)]
+    bounds = [row(name, np.zeros((4, 2)), "reference") for name in (EXACT, "virtual best (bound)")]
     said = ahead(board(row("a", high), row("r", low, "reference"), *bounds))
     assert said.startswith("Only <strong>a</strong> competes here, with a mean gap of 50.0")
     assert said.endswith("; 1 reference is better.")

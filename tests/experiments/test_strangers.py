@@ -18,7 +18,6 @@ from antgym.errors import LedgerError, ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning import Session
 from antgym.tuning.ledger import TRIALS, Ledger
-from experiments import tracks
 from experiments.artefacts import prepare
 from experiments.contest import enter, foreign_files, jobs, play
 from experiments.leaderboard import Arguments, plan_board, run_board
@@ -161,7 +160,7 @@ def test_trials_before_the_board_stand_beside_those_on_it(sly, tmp_path):
     (mine / "submission.json").write_text(json.dumps(manifest))
     played = Round("A", 5, tuple(enter([str(mine)], tmp_path, {})), load_suite("mountain-v0", "test")[:1], 1)
     with Ledger(tmp_path / "ledger", {}, {}) as ledger:
-        tracks.play(list(played.jobs), ledger, 2, lambda _: None)
+        play(list(played.jobs), ledger, 2, lambda _: None)
         assert to_row(played, played.entrants[0], ledger, {}).deploy == 4
 
 

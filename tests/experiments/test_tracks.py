@@ -5,9 +5,9 @@ import pytest
 
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, Outcome
-from experiments import contest
+from experiments import contest, tracks
 from experiments.bound import candidates, virtual_best
-from experiments.tracks import Round, budgets_of, jobs, per_map, within_runs
+from experiments.tracks import Round, budgets_of, jobs, per_map
 
 NAMES = {
     "rl": "agent",
@@ -59,7 +59,9 @@ def test_a_submission_has_a_place_in_its_track_alone_and_not_below_its_trials():
     assert per_map("A", [tuned, learnt], 5) == ()
     assert per_map("A", [tuned, learnt], 12) == (tuned,)
     assert per_map("B", [tuned, learnt], 20) == (learnt,)
-    assert [(one.name, one.kind) for one in within_runs([tuned, learnt], "", ())] == [("learnt", "reference")]
+    assert [(one.name, one.kind) for one in tracks.within_runs([tuned, learnt], "", ())] == [
+        ("learnt", "reference")
+    ]
 
 
 def test_runs_that_two_rounds_share_are_played_once():
