@@ -41,18 +41,29 @@ def test_the_largest_budget_is_taken_or_the_one_that_is_asked_for(tmp_path):
     write_ledger(tmp_path, {"bad": GAPS["bad"]}, "20/")
     assert list(read_ledger(tmp_path, None).gaps) == ["bad"]
     assert list(read_ledger(tmp_path, 1).gaps) == ["good"]
-    write_ledger(tmp_path, {"good": GAPS["good"]}, "")
-    write_ledger(tmp_path, {"good": GAPS["good"]}, "5/")
-    known = "there are 1, 5, 20, runs without one, of track C"
-    with pytest.raises(AntgymError, match=f"--budget 7 was not measured in .*; {known}"):
-        read_ledger(tmp_path, 7)
-    assert [read_ledger(tmp_path, budget).track for budget in (None, 5)] == ["track A or B"] * 2
+    with pytest.raises(AntgymError, match=r"--budget 5 was not measured in .*; there are 1, 20"):
+        read_ledger(tmp_path, 5)
 
 
 def test_a_race_of_controllers_has_no_budget_and_an_agents_file_may_lie_in_a_folder(tmp_path):
     assert list(read_ledger(write_ledger(tmp_path / "a", GAPS, budget=""), None).gaps) == list(GAPS)
     stranger = {"my/agent.py:Mine": GAPS["good"]}
     assert list(read_ledger(write_ledger(tmp_path / "b", stranger), None).gaps) == list(stranger)
+
+
+def test_budgets_stand_in_order_and_runs_without_one_last(tmp_path):
+    for budget in ("20/", "", "5/"):
+        write_ledger(tmp_path, GAPS, budget)
+    known = "there are 5, 20, runs without one, of track C"
+    with pytest.raises(AntgymError, match=f"--budget 7 was not measured in .*; {known}"):
+        read_ledger(tmp_path, 7)
+
+
+@pytest.mark.parametrize(
+    ("budget", "said"), [("0/", "0 trials a map, track B\n"), ("5/", "track A or B"), ("", "track C")]
+)
+def test_the_title_says_in_which_track(tmp_path, budget, said):
+    assert said in report(Arguments(write_ledger(tmp_path, GAPS, budget)))
 
 
 def test_an_agent_without_all_of_its_runs_is_left_out_and_named(tmp_path):
