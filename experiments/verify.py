@@ -44,13 +44,10 @@ PROG = "python -m experiments.verify"
 
 @dataclass(frozen=True)
 class Arguments:
-    """Score a submission again on fresh seeds, and say "verified" (exit code 0) or what differs (1).
-
-    The exit code is 2, and a line says why, where the folder holds no submission that can be scored.
-    """
+    """Score a submission again on fresh seeds, and say "verified" (exit code 0) or what differs (1)."""
 
     folder: tyro.conf.Positional[Path]
-    """Folder of the submission."""
+    """Folder of the submission; one that cannot be used is a line that says why, and exit code 2."""
     salt: int | None = None
     """Root of the seeds, a whole number from 0 on; drawn and printed where none is given."""
     seeds: int = 3
@@ -195,13 +192,13 @@ def report(submission: Submission, score: Score, low: float, high: float, salt: 
         f"found    mean gap {percent(mean)} %, {percent(score.success)} % of runs found a path; a mean over "
         f"{submission.seeds} seeds lies in [{percent(max(low, 0.0))}, {percent(high)}] % ({CONFIDENCE:.0%})",
     ]
-    if submission.antgym != antgym.__version__:
-        lines.append(f"note     claimed with antgym {submission.antgym}, scored with {antgym.__version__}")
     if submission.trials:
         lines.append(
             f"note     {submission.trials:,} trials on each map, by its own word: no place in track {submission.track} "
             "where fewer are allowed"
         )
+    if submission.antgym != antgym.__version__:
+        lines.append(f"note     claimed with antgym {submission.antgym}, scored with {antgym.__version__}")
     if low <= claim <= high:
         return "\n".join([*lines, "verified"])
     how = "lower than what it does" if claim < low else "higher than what it does"

@@ -51,21 +51,6 @@ def test_a_race_of_controllers_has_no_budget_and_an_agents_file_may_lie_in_a_fol
     assert list(read_ledger(write_ledger(tmp_path / "b", stranger), None).gaps) == list(stranger)
 
 
-def test_budgets_stand_in_order_and_runs_without_one_last(tmp_path):
-    for budget in ("20/", "", "5/"):
-        write_ledger(tmp_path, GAPS, budget)
-    known = "there are 5, 20, runs without one, of track C"
-    with pytest.raises(AntgymError, match=f"--budget 7 was not measured in .*; {known}"):
-        read_ledger(tmp_path, 7)
-
-
-@pytest.mark.parametrize(
-    ("budget", "said"), [("0/", "0 trials a map, track B\n"), ("5/", "track A or B"), ("", "track C")]
-)
-def test_the_title_says_in_which_track(tmp_path, budget, said):
-    assert said in report(Arguments(write_ledger(tmp_path, GAPS, budget)))
-
-
 def test_an_agent_without_all_of_its_runs_is_left_out_and_named(tmp_path):
     write_ledger(tmp_path, GAPS, missing=["bad/20/suite-v0/test/3/1"])
     text = report(Arguments(ledger=tmp_path))
@@ -153,6 +138,21 @@ def test_a_folder_without_a_contest_is_named(tmp_path):
 def test_an_agent_that_nobody_measured_is_named(tmp_path):
     with pytest.raises(AntgymError, match="--against nobody was not measured; there are good, bad, worst"):
         report(Arguments(ledger=write_ledger(tmp_path, GAPS), against="nobody"))
+
+
+def test_budgets_stand_in_order_and_runs_without_one_last(tmp_path):
+    for budget in ("20/", "", "5/"):
+        write_ledger(tmp_path, GAPS, budget)
+    known = "there are 5, 20, runs without one, of track C"
+    with pytest.raises(AntgymError, match=f"--budget 7 was not measured in .*; {known}"):
+        read_ledger(tmp_path, 7)
+
+
+@pytest.mark.parametrize(
+    ("budget", "said"), [("0/", "0 trials a map, track B\n"), ("5/", "track A or B"), ("", "track C")]
+)
+def test_the_title_says_in_which_track(tmp_path, budget, said):
+    assert said in report(Arguments(write_ledger(tmp_path, GAPS, budget)))
 
 
 def test_a_missing_file_is_named(tmp_path):

@@ -9,7 +9,7 @@ from antgym.tuning.ledger import MANIFEST, TRIALS, Ledger, Outcome
 from antgym.tuning.session import Record, Trial
 from experiments import status
 from experiments.orders import ask, asked, broken, note_broken
-from experiments.status import shards_not_begun, survey, to_lists
+from experiments.status import survey, to_lists
 
 KEYS = [f"ga/3/map-{i}/0" for i in range(4)]
 OUTCOME = Outcome((0.5,), (1.0,), (0.0,))
@@ -55,7 +55,7 @@ def test_shards_and_units_below_a_folder_are_part_of_it(tmp_path):
 
 def test_a_shard_that_was_never_begun_is_named(tmp_path):
     shards = [write(tmp_path / "shards" / f"{number}-of-3", KEYS[number : number + 1]) for number in (1, 2)]
-    assert shards_not_begun(standing_of(tmp_path)) == [str(tmp_path / "shards" / "3-of-3")]
+    assert status.shards_not_begun(standing_of(tmp_path)) == [str(tmp_path / "shards" / "3-of-3")]
     assert f"not begun: {tmp_path / 'shards' / '3-of-3'}\n" in to_lists(standing_of(*shards), None)
 
 
