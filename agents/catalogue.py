@@ -17,6 +17,8 @@ class Card(NamedTuple):
         trained: whether it needs a fitted artefact, which ``make`` must be given.
         libraries: distributions that its results depend on, numpy apart.
         files: that an agent from outside the catalogue consists of.
+        track: the one that it was submitted for; "" for who was not.
+        trials: planner runs on each map that whoever submitted it says it takes.
         training: planner runs that whoever submitted it says its making spent.
         steers: whether it sets parameters within a run, and can be asked for none before it.
     """
@@ -29,6 +31,8 @@ class Card(NamedTuple):
     trained: bool = False
     libraries: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
+    track: str = ""
+    trials: int = 0
     training: int = 0
     steers: bool = False
 

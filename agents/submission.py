@@ -304,7 +304,7 @@ def card_of(name: str) -> Card:
     folder = Path(name)
     submission = read_submission(folder)
     policy = submission.kind == "policy"
-    spent = submission.training_trials + (0 if policy else submission.trials * submission.maps)
+    spent = submission.training_trials  # those on each map are not spent once
     return Card(
         name=name,
         entry_point="agents.submission:make_agent",
@@ -312,6 +312,8 @@ def card_of(name: str) -> Card:
         summary=f"{submission.name}, by {', '.join(submission.authors)}: {submission.summary} (submitted)",
         needs="rl" if policy else None,
         libraries=RL_LIBRARIES if policy else (),
+        track=submission.track,
+        trials=submission.trials,
         files=(folder / MANIFEST, *(folder / file for file in submission.files)),
         training=spent,
         steers=submission.track == "C",

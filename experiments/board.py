@@ -218,6 +218,13 @@ class Board:
         return {row.name: Place(i + 1, ties[i]) for i, row in enumerate(agents)}
 
     @cached_property
+    def outdone_by(self) -> tuple[Row, ...]:
+        """References that are better than every agent, without the bounds, which are so by what they are."""
+        best = min((row.mean for row in self.rows if row.kind == "agent"), default=-np.inf)
+        others = (row for row in self.ranked if row.kind == "reference" and row.name not in (EXACT, VBS))
+        return tuple(row for row in others if row.mean < best)
+
+    @cached_property
     def closed(self) -> dict[str, Estimate]:
         """Share of what lies between SBS and VBS that each row closes, by name; empty where the two are not apart."""
         static, best = self._find(SBS), self._find(VBS)
@@ -255,7 +262,7 @@ def _ties(agents: Sequence[Row]) -> list[bool]:
 
 def to_table(board: Board) -> Table:
     """Return the board for a terminal; references stand in their order, dim and without a place."""
-    caption = Text("\n".join([f"{size(board)}. {TIE}", *failures(board)]))
+    caption = Text("\n".join([f"{size(board)}. Without #: references. {TIE}", *failures(board)]))
     table = Table(title=Text(headline(board)), caption=caption, box=SIMPLE_HEAD, padding=0)
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("agent", overflow="fold")

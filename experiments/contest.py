@@ -31,13 +31,25 @@ TOGETHER = 64  # runs in lock-step: a round of them is one planner call
 
 
 class Entrant(NamedTuple):
-    """An agent in the contest, and what its training spent."""
+    """An agent in the contest, what its training spent, and for what it was submitted, if it was.
+
+    Attributes:
+        name: of the agent.
+        kind: whether it competes.
+        summary: one line.
+        agent: itself.
+        training: planner runs spent before any new map.
+        track: the only one that it has a place in; "" for any.
+        trials: on each map that were paid for it before, by the word of whoever submitted it.
+    """
 
     name: str
     kind: Literal["agent", "reference"]
     summary: str
     agent: Agent
     training: int
+    track: str = ""
+    trials: int = 0
 
 
 class Job(NamedTuple):
@@ -95,7 +107,8 @@ def enter(
         if card.entry_point == STRANGER:
             argument["seconds"] = call_seconds
         kind: Literal["agent", "reference"] = "reference" if name in references else "agent"
-        out.append(Entrant(name, kind, card.summary, agents.make(name, **argument), training))
+        agent = agents.make(name, **argument)
+        out.append(Entrant(name, kind, card.summary, agent, training, card.track, card.trials))
     return out
 
 

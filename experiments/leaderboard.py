@@ -64,8 +64,9 @@ class Arguments:
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue, path/to/file.py:ClassName of your own, folders of submissions; some references are there
-    with any."""
+    """Names in the catalogue, path/to/file.py:ClassName of your own, folders of submissions; with any there are, as
+    references without a place: uniform_random, published_default, random_search, best_static, best_static_by_rules,
+    copy_best_source, regression, the exact planner and the virtual best."""
     suite: str = "mountain-v0"
     """Suite of the maps, or a folder of them; trained agents learn from its train split."""
     split: str = "ood"
@@ -119,8 +120,7 @@ def plan_board(arguments: Arguments) -> Plan:
 
 
 def _check(arguments: Arguments) -> None:
-    for name in arguments.agents:
-        agents.find_card(name)
+    cards = [agents.find_card(name) for name in arguments.agents]
     for option, values in (("agents", arguments.agents), ("track", arguments.track)):
         if len(set(values)) < len(values) or not values:
             raise ParameterError(f"--{option} {' '.join(values)}: name at least one, and each once")
@@ -130,6 +130,8 @@ def _check(arguments: Arguments) -> None:
         raise ParameterError("--split train: agents learn from these maps; judge on validation, test or ood")
     for track in arguments.track:
         _budgets(track, arguments)
+    for card in cards:
+        _check_place(card, arguments)
     if arguments.controllers and "C" not in arguments.track:
         raise ParameterError("--controllers steer runs, which is track C; add --track C")
     if (submitted := _submitted(arguments)) and "C" not in arguments.track:
@@ -157,6 +159,17 @@ def _tracks(arguments: Arguments) -> list[Track]:
 
 def _budgets(track: Track, arguments: Arguments) -> tuple[int, ...]:
     return tracks.budgets_of(track, PRESETS[arguments.preset].budget, arguments.budgets)
+
+
+def _check_place(card: agents.Card, arguments: Arguments) -> None:
+    """Raise ParameterError where a submission, of A or B, would be in none of the rounds."""
+    rounds = [(track, budget) for track in _tracks(arguments) for budget in _budgets(track, arguments)]
+    if card.track == "C" or any(tracks.admits(track, budget, card) for track, budget in rounds):
+        return
+    raise ParameterError(
+        f"--agents {card.name}: submitted for track {card.track}, {card.trials:,} trials on each map, has no place "
+        f"on any of these boards; give --track {card.track} and --budgets of as many, or leave it out"
+    )
 
 
 def _references(arguments: Arguments) -> tuple[str, ...]:
@@ -188,8 +201,11 @@ def enter_board(arguments: Arguments, plan: Plan) -> list[Round]:
 def untrained_board(arguments: Arguments, plan: Plan) -> list[Round]:
     """Return the rounds of a board with an agent that needs nothing in the place of every other, to count its runs."""
     nobody = agents.make("published_default")
+    cards = map(agents.find_card, names_of(arguments))
     return board_rounds(
-        arguments, plan, [Entrant(name, "agent", "", nobody, 0) for name in names_of(arguments)]
+        arguments,
+        plan,
+        [Entrant(card.name, "agent", "", nobody, card.training, card.track, card.trials) for card in cards],
     )
 
 

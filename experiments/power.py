@@ -52,11 +52,12 @@ class Arguments:
 
 
 class Measured(NamedTuple):
-    """Gaps by agent at one budget, (maps, seeds) each, best first; and the agents that lack some of their runs."""
+    """Gaps by agent at one budget, (maps, seeds) each, best first; who lacks some of their runs; the track."""
 
     budget: int | None
     gaps: dict[str, Values]
     broken: list[str]
+    track: str = ""
 
 
 class Pair(NamedTuple):
@@ -84,7 +85,7 @@ def read_ledger(folder: Path, budget: int | None) -> Measured:
         for name, own in runs.items()
         if len(own) == len(maps) * len(seeds)
     }
-    return Measured(chosen, _ranked(whole), sorted(set(runs) - set(whole)))
+    return Measured(chosen, _ranked(whole), sorted(set(runs) - set(whole)), _track(chosen))
 
 
 def read_gaps(path: Path, budget: int | None) -> Measured:
@@ -112,8 +113,19 @@ def _choose(budgets: Sequence[int | None], budget: int | None, source: Path) -> 
     if budget is None:
         return max(budgets, key=lambda known: -1 if known is None else known)
     if budget not in budgets:
-        raise ParameterError(f"--budget {budget} was not measured in {source}; there are {_listed(budgets)}")
+        raise ParameterError(f"--budget {budget} was not measured in {source}; there are {_budgets(budgets)}")
     return budget
+
+
+def _track(budget: int | None) -> str:
+    """Return in which tracks the runs of a ledger at a budget count."""
+    return "track C" if budget is None else "track A or B" if budget else "track B"
+
+
+def _budgets(known: Sequence[int | None]) -> str:
+    """Return budgets, smallest first; runs that are steered have none."""
+    numbers = sorted(budget for budget in known if budget is not None)
+    return _listed([*numbers, *(["runs without one, of track C"] if None in known else [])])
 
 
 def _listed(names: Sequence[object]) -> str:
@@ -157,22 +169,28 @@ def to_markdown(measured: Measured, arguments: Arguments) -> str:
             continue
         needed = _needed(found, arguments.points, asked)
         counts.append(needed)
-        rows.append([*front, f"{100 * resolved(found, maps, seeds):.2f}", *_cells(needed)])
+        rows.append([*front, _points(resolved(found, maps, seeds)), *_cells(needed)])
     if counts:
         middle = np.ceil(np.median(counts, axis=0)).astype(int).tolist()
         rows.append(["*median*", *[""] * 5, *_cells(middle)])
     trials = "" if measured.budget is None else f", {measured.budget} trials a map"
+    trials += f", {measured.track}" if measured.track else ""
     heads = ["pair", "difference", "maps", "map × agent", "seeds", f"resolved by {maps} × {seeds}"]
     return "\n\n".join(
         [
             f"# Maps that resolve a difference: measured on {maps} maps × {_counted(seeds)}{trials}",
             table([*heads, *_headings(arguments.points, asked)], rows),
-            _legend(measured, seeds),
+            _legend(measured, seeds, arguments.against),
         ]
     )
 
 
-def _legend(measured: Measured, seeds: int) -> str:
+def _points(difference: float) -> str:
+    """Return a difference in points; gaps end at 100, and so do differences."""
+    return f"{100 * difference:.2f}" if difference <= 1 else "> 100"
+
+
+def _legend(measured: Measured, seeds: int, against: str | None) -> str:
     text = (
         "In points of gap: the difference with its 95 % interval; standard deviations of what both agents share on a "
         "map (maps), of their difference from map to map (map × agent) and from seed to seed (seeds); and the "
@@ -183,6 +201,10 @@ def _legend(measured: Measured, seeds: int) -> str:
         text += (
             " With one seed a map, what seeds add is within map × agent, and nothing is known of more seeds."
         )
+    if any(
+        np.array_equal(measured.gaps[a], measured.gaps[b]) for a, b in pairs(list(measured.gaps), against)
+    ):
+        text += f" {NONE} at the end of a row: both agents are the same in every run, and nothing tells them apart."
     if measured.broken:
         text += f" Left out, since runs are missing: {_listed(measured.broken)}."
     return f"{text}\n"

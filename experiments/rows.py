@@ -14,9 +14,9 @@ from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, LedgerRun
 from antgym.tuning.lines import read_fields
+from experiments import contest
 from experiments.board import EXACT, VBS, Row
 from experiments.bound import candidates, virtual_best
-from experiments.contest import failures
 from experiments.tracks import Entrant, Job, Round
 
 Clocks = Mapping[str, Mapping[str, float]]
@@ -31,14 +31,14 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
     assert len(outcomes) == len(runs), f"{entrant.name} is not finished"
     gaps = np.array([np.mean(outcome.gaps) for outcome in outcomes]).reshape(len(played.items), -1)
     steered = played.track == "C"  # the run is what is judged, and no trial before it
-    spent, failure = [clocks.get(run.key, {}) for run in runs], failures(outcomes)
+    spent, failure = [clocks.get(run.key, {}) for run in runs], contest.failures(outcomes)
     return Row(
         name=entrant.name,
         kind=entrant.kind,
         summary=f"{entrant.summary}; {failure}" if failure else entrant.summary,
         gaps=tuple(tuple(row) for row in gaps.tolist()),
         success=float(np.mean([np.isfinite(outcome.lengths).mean() for outcome in outcomes])),
-        deploy=0.0 if steered else float(np.mean([len(run.records) for run in runs])),
+        deploy=0.0 if steered else _paid_on_a_map(entrant, runs),
         training=entrant.training,
         tuner_seconds=_seconds("tuner", spent),
         planner_seconds=_seconds("planner", spent),
@@ -63,6 +63,12 @@ def _optimism(jobs: Sequence[Job], runs: Sequence[LedgerRun]) -> float | None:
         if seen and not run.outcome.failure:
             found.append(np.mean(run.outcome.gaps) - job.problem.gap(np.array(seen)).mean())
     return float(np.mean(found)) if found else None
+
+
+def _paid_on_a_map(entrant: Entrant, runs: Sequence[LedgerRun]) -> float:
+    """Return the trials a map: those of the ledger, or what a submission says it took before."""
+    before = entrant.trials if isinstance(entrant, contest.Entrant) else 0
+    return float(np.mean([max(before, len(run.records)) for run in runs]))
 
 
 def _card(entrant: Entrant) -> dict[str, Any]:

@@ -7,6 +7,7 @@ while they are written. The exit code is 0 where every run that was asked is fin
 """
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,6 +27,7 @@ from antgym.tuning.manifest import read_manifest
 from experiments.orders import asked, broken
 
 SHOWN = 10  # runs of a kind that are listed
+SHARD = re.compile(r"\d+-of-(\d+)")  # how units.Shard calls its folder
 
 
 @dataclass(frozen=True)
@@ -163,6 +165,20 @@ def _apart(folders: Sequence[Path]) -> bool:
     )
 
 
+def shards_not_begun(standing: Standing) -> list[str]:
+    """Return the folders of shards without a ledger, of a split that others have begun and that lacks some runs."""
+    if not standing.missing:
+        return []
+    folders = [holding.folder for holding in standing.holdings]
+    split = [(folder.parent, found[1]) for folder in folders if (found := SHARD.fullmatch(folder.name))]
+    shards = (
+        place / f"{number}-of-{count}"
+        for place, count in dict.fromkeys(split)
+        for number in range(1, int(count) + 1)
+    )
+    return [str(shard) for shard in shards if shard not in folders]
+
+
 def to_table(standing: Standing) -> Table:
     """Return a row a ledger, and one for all."""
     table = Table(caption=_sentence(standing))
@@ -198,6 +214,7 @@ def to_lists(standing: Standing, most: int | None) -> str:
         "failed by its agent": [f"{key}  {why}" for key, why in standing.failed.items()],
         "held twice": standing.twice,
         "told differently": standing.differing,
+        "not begun": shards_not_begun(standing),
     }
     lines = []
     for kind, keys in lists.items():

@@ -175,8 +175,9 @@ def controllers(
         ParameterError: where two have the same name, or a policy cannot be read.
     """
     found = []
-    for name, kind, summary, agent, training in constants:
-        found.append(Entrant(name, ConstantController(agent), training, kind, summary))
+    for name, kind, summary, agent, training, track, _ in constants:
+        role = "reference" if track else kind  # its place is in the track that it was submitted for
+        found.append(Entrant(name, ConstantController(agent), training, role, summary))
         if schedule and name == against:
             changed = f"{against}, changed once within the run as the card of the world says"
             found.append(Entrant(SCHEDULE, ScheduleController(agent, schedule), None, "agent", changed))

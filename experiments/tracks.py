@@ -92,21 +92,39 @@ def budgets_of(track: Track, largest: int, asked: Sequence[int]) -> tuple[int, .
     return tuple(sorted(budget for budget in asked if budget >= least))
 
 
-def _learnt(name: str) -> bool:
-    """Return whether an agent learnt before it met a new map, or may have: nothing is known of strangers."""
-    card = agents.CATALOGUE.get(name.partition(":")[0])
-    return card is None or card.trained
+def admits(track: Track, budget: int, one: agents.Card | contest.Entrant) -> bool:
+    """Return whether an agent may play a round: a submission where it says so, at no fewer trials than it took.
+
+    What needs no trial on a map is shown in C, too.
+    """
+    if track == "C":
+        return one.track in ("", "C") or (one.track == "B" and not one.trials)
+    return not one.track or (one.track == track and budget >= one.trials)
+
+
+def _card(entrant: contest.Entrant) -> agents.Card | None:
+    return agents.CATALOGUE.get(entrant.name.partition(":")[0])
+
+
+def _learnt(entrant: contest.Entrant) -> bool:
+    """Return whether an agent learnt before it met a new map; one from outside, whether it is charged for that."""
+    card = _card(entrant)
+    return entrant.training > 0 if card is None else card.trained
 
 
 def per_map(track: Track, entrants: Sequence[contest.Entrant], budget: int) -> tuple[contest.Entrant, ...]:
-    """Return who plays a round of A or B; in B who did not learn is there to compare with, or not at all."""
+    """Return who plays a round of A or B; in B who did not learn is there to compare with, or not at all.
+
+    An agent from outside the catalogue is always there.
+    """
+    playing = tuple(entrant for entrant in entrants if admits(track, budget, entrant))
     if track == "A":
-        return tuple(entrants)
+        return playing
     shown = (*WITHOUT_TRIALS, SEARCH) if budget else WITHOUT_TRIALS
     return tuple(
-        entrant if _learnt(entrant.name) else entrant._replace(kind="reference")
-        for entrant in entrants
-        if _learnt(entrant.name) or entrant.name in shown
+        entrant if _learnt(entrant) else entrant._replace(kind="reference")
+        for entrant in playing
+        if _learnt(entrant) or _card(entrant) is None or entrant.name in shown
     )
 
 

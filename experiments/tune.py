@@ -7,6 +7,7 @@ next batch is asked for; a run that was stopped, or killed, goes on where it was
 """
 
 import hashlib
+import re
 import sys
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -20,7 +21,7 @@ import antgym
 from antgym import plan_file
 from antgym.commands import MapFile, PlanFile
 from antgym.console import PATIENCE, main, parse, progress
-from antgym.errors import BudgetError, ParameterError
+from antgym.errors import BudgetError, LedgerError, ParameterError
 from antgym.kernels import sources_hash
 from antgym.planners.colony import plan_many
 from antgym.tuning.agent import Agent, tune
@@ -58,7 +59,7 @@ class Arguments(MapFile):
     seed: int = 0
     """Root of the agent's and the planner's seeds."""
     out: Path | None = None
-    """Write what antgym plan writes, and the trials, OUT.trials; by default out/tune/ and the file's name."""
+    """Write what antgym plan writes, and the trials, OUT.trials; by default out/tune/FILE-AGENT."""
     picture: bool = True
     """Whether OUT.png is among them; it needs matplotlib."""
 
@@ -75,7 +76,7 @@ def run(arguments: Arguments) -> int:
     question = plan_file.read(arguments)
     seed = derived_seed("tune", question.scenario.digest, arguments.seed)
     problem = TuningProblem(question.scenario, question.rules, arguments.ants, arguments.iterations, seed)
-    stem = arguments.out or Path("out/tune") / arguments.file.stem
+    stem = arguments.out or default_out(arguments)
     unit = search(agent, problem, arguments, stem)
     command, gaps = judge(problem, unit, arguments)
     found = plan_file.find(command)
@@ -84,6 +85,12 @@ def run(arguments: Arguments) -> int:
     tuning = {"agent": arguments.agent, "budget": arguments.budget, "root_seed": arguments.seed}
     plan_file.write(found, stem, {"tuning": {**tuning, "unit": unit.tolist(), "fresh_gaps": gaps}})
     return 0 if found.plan.solved else 1
+
+
+def default_out(arguments: Arguments) -> Path:
+    """Return where results go unless that is said: a place for every map and agent, whose name may be a path."""
+    agent = re.sub(r"[^\w.]+", "-", Path(arguments.agent).name)
+    return Path("out/tune") / f"{arguments.file.stem}-{agent}"
 
 
 def find_agent(name: str, folder: Path | None) -> Agent:
@@ -112,13 +119,20 @@ def search(agent: Agent, problem: TuningProblem, arguments: Arguments, stem: Pat
     if arguments.budget == 0:
         agent.reset(problem.task(0), seed=seed)
         return problem.space.check(agent.recommend())[0]
-    folder = stem.with_name(stem.name + ".trials")
-    with Ledger(folder, _config(problem, arguments), _versions(arguments.agent)) as ledger:
+    with _ledger(problem, arguments, stem) as ledger:
         kept = ledger.run("tune")
         title = f"{arguments.agent} on {arguments.file.name}"
         with progress(title, arguments.budget, after=PATIENCE) as advance:
             session = WatchedSession(problem, arguments.budget, advance, kept, PART)
             return tune(agent, session, seed=seed).recommendation
+
+
+def _ledger(problem: TuningProblem, arguments: Arguments, stem: Path) -> Ledger:
+    folder = stem.with_name(stem.name + ".trials")
+    try:
+        return Ledger(folder, _config(problem, arguments), _versions(arguments.agent))
+    except LedgerError as error:
+        raise LedgerError(f"{error}; give another --out than {stem} for another folder") from None
 
 
 def judge(problem: TuningProblem, unit: Floats, arguments: Arguments) -> tuple[PlanFile, list[float]]:

@@ -56,7 +56,7 @@ class Arguments:
     """Score a submission again on fresh seeds: "verified" (exit code 0), or what differs or is undecided (1)."""
 
     folder: tyro.conf.Positional[Path]
-    """Folder of the submission."""
+    """Folder of the submission; one that cannot be used is a line that says why, and exit code 2."""
     salt: int | None = None
     """Root of the seeds, a whole number from 0 on; drawn and printed where none is given."""
     seeds: int = 10
@@ -108,10 +108,26 @@ def maps_of(folder: Path, submission: Submission) -> list[SuiteItem]:
         raise ParameterError(
             f"{folder / MANIFEST}: field 'maps' = {submission.maps}: {suite} has {len(suite)} maps"
         )
+    _check_names(folder, submission, suite)
     items = suite[: submission.maps]
     if submission.track == "C":
         return steerable(items)
     return list(items)
+
+
+def _check_names(folder: Path, submission: Submission, suite: Sequence[SuiteItem]) -> None:
+    """Raise ParameterError where a table has a setting for a map that its suite's split has not."""
+    if submission.kind != "table":
+        return
+    path, agent = folder / submission.files[0], make_agent(str(folder))
+    given = agent.table.by_scenario if isinstance(agent, TableAgent) else {}
+    known = tuple(item.name for item in suite) if given else ()
+    for name in given:
+        if name not in known:
+            raise ParameterError(
+                f"{path}: field 'by_scenario': no map of {submission.suite}, {submission.split} is called {name!r}; "
+                f"{nearest(name, known)}"
+            )
 
 
 def _runs(folder: Path, submission: Submission) -> Run:
@@ -188,6 +204,11 @@ def report(submission: Submission, score: Score, low: float, high: float, salt: 
         f"found    mean gap {percent(mean)} %, {percent(score.success)} % of runs found a path; a mean over "
         f"{submission.seeds} seeds lies in [{percent(max(low, 0.0))}, {percent(high)}] % ({CONFIDENCE:.0%})",
     ]
+    if submission.trials:
+        lines.append(
+            f"note     {submission.trials:,} trials on each map, by its own word: no place in track {submission.track} "
+            "where fewer are allowed"
+        )
     if submission.antgym != antgym.__version__:
         lines.append(f"note     claimed with antgym {submission.antgym}, scored with {antgym.__version__}")
     return "\n".join(lines)

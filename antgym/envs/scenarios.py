@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 from antgym.errors import ParameterError
 from antgym.maps.fleet import Fleet
+from antgym.maps.suite_file import NAME
 from antgym.maps.suites import Items, OwnSuite, Suite, SuiteItem, load_suite
 from antgym.maps.world import Scenario
 from antgym.planners.swarms import parameter_names
@@ -30,7 +32,7 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
     """
     if isinstance(suite, str):
         found = load_suite(suite, split)
-        return found if isinstance(found, Suite) else _own(found)
+        return found if isinstance(found, Suite) else _own(found, suite)
     if split != "train":  # the default, which says nothing
         raise ParameterError(
             f"split {split!r} of scenarios of your own: they have none; pass other scenarios"
@@ -39,7 +41,12 @@ def find_items(suite: str | Sequence[SuiteItem], split: str) -> Items:
 
 
 @lru_cache(maxsize=16)
-def _own(items: OwnSuite) -> OwnSuite:
+def _own(items: OwnSuite, folder: str) -> OwnSuite:
+    for item in items:
+        try:
+            parameter_names(item.rules)
+        except ParameterError as error:
+            raise ParameterError(f"{Path(folder) / NAME}: rules of {item.name}: {error}") from None
     return _checked(items)
 
 

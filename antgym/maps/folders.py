@@ -117,7 +117,10 @@ def _places(map_path: Path, terms: Terms) -> Iterator[Scenario]:
         start, goal = (
             map_.end(getattr(terms, end), f"{map_path}: {end}", terms.unit) for end in ("start", "goal")
         )
-        yield replace(map_.scenario(start, goal), name=map_path.name)
+        try:
+            yield replace(map_.scenario(start, goal), name=map_path.name)
+        except ScenarioError as error:
+            raise ScenarioError(f"{map_path}: what {suite_file.NAME} says of its ends: {error}") from None
         return
     scenarios = drawn(map_, terms.scenarios)
     if not scenarios:

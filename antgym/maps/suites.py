@@ -66,7 +66,8 @@ class Suite(Sequence[SuiteItem]):
 
     def __init__(self, name: str, split: str) -> None:
         if name not in SUITES:
-            raise ParameterError(f"unknown suite {name!r}; {nearest(name, tuple(SUITES))}")
+            hint = nearest(name, tuple(SUITES))
+            raise ParameterError(f"unknown suite {name!r}, nor is it a folder; {hint}")
         if split not in SPLITS:
             raise ParameterError(f"unknown split {split!r}; {nearest(split, SPLITS)}")
         self.name, self.split = name, split
@@ -176,7 +177,7 @@ def load_suite(name: str, split: str) -> Items:
 
     Raises:
         ParameterError: if there is no such suite, folder or split, the message names the nearest; or if ``suite.toml``
-            says what cannot be used, with its key.
+            says what cannot be used, with its key; whether there are rules of a name, who plans by them finds out.
         MapError: if a map of the folder cannot be read or used.
         MissingExtraError: on first use of ``ood``, if the package with the real maps is not installed.
     """

@@ -60,9 +60,9 @@ def ahead(board: Board) -> str:
         if best.interval
         else ""
     )
-    text = (
-        f"<strong>{escape(best.name)}</strong> is ahead with a mean gap of {percent(best.mean)}{space}%{ends}"
-    )
+    name, mean = f"<strong>{escape(best.name)}</strong>", f"a mean gap of {percent(best.mean)}{space}%{ends}"
+    text = f"{name} is ahead with {mean}" if others else f"Only {name} competes here, with {mean}"
     if others and board.places[others[0].name].tied:
-        return f"{text}, but is not told apart from <strong>{escape(others[0].name)}</strong>."
-    return f"{text}."
+        text += f", but is not told apart from <strong>{escape(others[0].name)}</strong>"
+    better = len(board.outdone_by)
+    return f"{text}; {better} reference{'s are' if better > 1 else ' is'} better." if better else f"{text}."

@@ -289,7 +289,10 @@ def test_rendering_without_a_mode_says_how_to_get_one(entry):
         ({"observation": "map4d"}, "unknown observation 'map4d'; did you mean 'map"),
         ({"observation": None}, "unknown observation None"),
         ({"render_mode": "ansii"}, "unknown render_mode 'ansii'; did you mean 'ansi'"),
-        ({"suite": "mountains-v0"}, "unknown suite 'mountains-v0'; did you mean 'mountain-v0'"),
+        (
+            {"suite": "mountains-v0"},
+            "unknown suite 'mountains-v0', nor is it a folder; did you mean 'mountain-v0'",
+        ),
         ({"effort": [0, 10]}, r"effort = \[0, 10\]: needs \(ants, iterations\)"),
         ({"effort": [10]}, "effort = "),
         ({"effort": 10}, "effort = 10"),

@@ -83,6 +83,7 @@ def test_every_row_is_in_table_and_markdown():
         assert percent(one.mean) in table
         assert percent(one.mean) in markdown
     assert "12 maps × 3 tuner seeds" in table
+    assert "Without #: references." in " ".join(table.split())
     assert "12 maps × 3 tuner seeds" in markdown
 
 

@@ -130,6 +130,13 @@ def test_other_tracks_join_the_ledger_of_a_board_and_share_what_they_can(board, 
     assert tables.count("In italics: references.") == len((*BUDGETS["A"], *BUDGETS["B"], "C"))
 
 
+def test_help_names_every_reference(capsys):
+    with pytest.raises(SystemExit):
+        parse(Arguments, ["--help"], "board")
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert all(name in told for name in (*ALWAYS, "exact planner", "virtual best"))
+
+
 def test_the_command_on_a_board_makes_it_again():
     given = Arguments("full", Path("x"), suite="own maps", split="test", track=("A", "C"), maps=3)
     words = shlex.split(leaderboard.command(given))

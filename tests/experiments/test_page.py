@@ -94,6 +94,16 @@ def test_page_tells_the_command_and_every_version(page):
     assert "<dt>host.<wbr>" in page or "<dt>host.cpu</dt>" in page
 
 
+def test_page_says_who_competes_alone_and_whom_references_outdo():
+    """The bounds are better than anybody, and say nothing against who is ahead."""
+    low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
+    bounds = [row(name, np.zeros((4, 2)), "reference") for name in (EXACT, "virtual best (bound)")]
+    said = ahead(board(row("a", high), row("r", low, "reference"), *bounds))
+    assert said.startswith("Only <strong>a</strong> competes here, with a mean gap of 50.0")
+    assert said.endswith("; 1 reference is better.")
+    assert "reference" not in ahead(board(row("a", low), row("b", high), *bounds))
+
+
 def test_page_says_who_is_ahead_and_whether_that_is_sure():
     low, high = np.full((4, 2), 0.1), np.full((4, 2), 0.5)
     assert "<strong>a</strong> is ahead" in ahead(board(row("a", low), row("b", high)))

@@ -88,6 +88,13 @@ def test_one_seed_a_map_says_nothing_of_more_and_equal_agents_nothing_at_all(tmp
     assert cells(text.splitlines()[2])[-1] == "maps for 2 points: 1 seed"
     assert cells(text.splitlines()[4])[-3:] == ["–", "–", "–"]
     assert "With one seed a map" in text
+    assert "both agents are the same in every run" in text
+
+
+def test_no_difference_is_above_the_scale_of_gaps(tmp_path):
+    path = tmp_path / "gaps.json"
+    path.write_text(json.dumps({"a": [[0, 1], [1, 0], [0, 1]], "b": [[1, 0], [0, 1], [1, 0.1]]}))
+    assert "| > 100 |" in report(Arguments(gaps=path))
 
 
 def test_deviations_are_enough():
@@ -140,6 +147,21 @@ def test_a_folder_without_a_contest_is_named(tmp_path):
 def test_an_agent_that_nobody_measured_is_named(tmp_path):
     with pytest.raises(AntgymError, match="--against nobody was not measured; there are good, bad, worst"):
         report(Arguments(ledger=write_ledger(tmp_path, GAPS), against="nobody"))
+
+
+def test_budgets_stand_in_order_and_runs_without_one_last(tmp_path):
+    for budget in ("20/", "", "5/"):
+        write_ledger(tmp_path, GAPS, budget)
+    known = "there are 5, 20, runs without one, of track C"
+    with pytest.raises(AntgymError, match=f"--budget 7 was not measured in .*; {known}"):
+        read_ledger(tmp_path, 7)
+
+
+@pytest.mark.parametrize(
+    ("budget", "said"), [("0/", "0 trials a map, track B\n"), ("5/", "track A or B"), ("", "track C")]
+)
+def test_the_title_says_in_which_track(tmp_path, budget, said):
+    assert said in report(Arguments(write_ledger(tmp_path, GAPS, budget)))
 
 
 def test_a_missing_file_is_named(tmp_path):

@@ -54,6 +54,12 @@ def test_shards_and_units_below_a_folder_are_part_of_it(tmp_path):
     assert standing.asked == KEYS
 
 
+def test_a_shard_that_was_never_begun_is_named(tmp_path):
+    shards = [write(tmp_path / "shards" / f"{number}-of-3", KEYS[number : number + 1]) for number in (1, 2)]
+    assert status.shards_not_begun(standing_of(tmp_path)) == [str(tmp_path / "shards" / "3-of-3")]
+    assert f"not begun: {tmp_path / 'shards' / '3-of-3'}\n" in to_lists(standing_of(*shards), None)
+
+
 def test_a_merged_board_holds_what_its_shards_hold_and_nothing_twice(tmp_path):
     shards = [
         write(tmp_path / "shards" / n, keys) for n, keys in (("1-of-2", KEYS[:2]), ("2-of-2", KEYS[2:]))

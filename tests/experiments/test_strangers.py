@@ -24,9 +24,10 @@ from antgym.tuning.session import steer_together
 from experiments import steering
 from experiments.artefacts import prepare
 from experiments.contest import enter, foreign_files, jobs, play
-from experiments.leaderboard import Arguments, run_board
+from experiments.leaderboard import Arguments, plan_board, run_board
 from experiments.presets import PRESETS, Preset
-from experiments.tracks import ALWAYS
+from experiments.rows import to_row
+from experiments.tracks import ALWAYS, Round
 
 ROOT = Path(__file__).parents[2]
 ZOO = ROOT / "tests" / "agents" / "zoo.py"
@@ -67,6 +68,7 @@ def sly(tmp_path_factory):
     shutil.copy(EXAMPLE / "table.json", folder)
     manifest = json.loads((EXAMPLE / "submission.json").read_text())
     manifest |= {"name": "<script>alert(1)</script>", "summary": '"><img src=x onerror=alert(1)>'}
+    manifest["track"] = "A"
     (folder / "submission.json").write_text(json.dumps(manifest))
     return folder
 
@@ -219,7 +221,24 @@ def test_a_submission_that_steers_plays_within_runs_and_nowhere_else(trained, tm
 
 def test_a_submissions_trials_stand_in_the_table(tmp_path):
     (entrant,) = enter([str(EXAMPLE)], tmp_path, {})
-    assert (entrant.training, entrant.kind) == (512, "agent")
+    assert (entrant.training, entrant.kind, entrant.track, entrant.trials) == (512, "agent", "B", 0)
+
+
+def test_trials_before_the_board_stand_beside_those_on_it(sly, tmp_path):
+    """A table tuned on each map was paid for on each map, and is no zero-shot agent."""
+    manifest = json.loads((sly / "submission.json").read_text()) | {"trials": 4}
+    mine = tmp_path / "mine"
+    shutil.copytree(sly, mine)
+    (mine / "submission.json").write_text(json.dumps(manifest))
+    played = Round("A", 5, tuple(enter([str(mine)], tmp_path, {})), load_suite("mountain-v0", "test")[:1], 1)
+    with Ledger(tmp_path / "ledger", {}, {}) as ledger:
+        play(list(played.jobs), ledger, 2, lambda _: None)
+        assert to_row(played, played.entrants[0], ledger, {}).deploy == 4
+
+
+def test_a_submission_that_would_be_on_no_board_is_refused(tmp_path):
+    with pytest.raises(ParameterError, match="submitted for track B, 0 trials on each map, has no place"):
+        plan_board(Arguments("smoke", tmp_path, (str(EXAMPLE),), track=("A",)))
 
 
 def test_a_limit_of_no_time_is_refused(tmp_path):

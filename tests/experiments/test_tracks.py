@@ -6,7 +6,7 @@ import pytest
 from antgym.errors import AntgymError
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, Outcome
-from experiments import contest
+from experiments import contest, tracks
 from experiments.bound import candidates, virtual_best
 from experiments.rows import to_row
 from experiments.tracks import Round, budgets_of, jobs, per_map, read_key
@@ -69,9 +69,23 @@ def test_on_track_b_who_did_not_learn_is_there_to_compare_with():
     assert per_map("A", ENTRANTS, 5) == ENTRANTS
 
 
-def test_strangers_may_have_learnt():
-    stranger = contest.Entrant("theirs/agent.py:Their", "agent", "", None, 0)
-    assert per_map("B", [stranger], 0) == (stranger,)
+def test_who_comes_from_outside_competes_in_b_only_where_learning_is_charged():
+    own = contest.Entrant("theirs/agent.py:Their", "agent", "", None, 0)
+    learnt = contest.Entrant("theirs", "agent", "", None, 512, "B")
+    for budget in (0, 5):
+        assert per_map("B", [own, learnt], budget) == (own._replace(kind="reference"), learnt)
+
+
+def test_a_submission_has_a_place_in_its_track_alone_and_not_below_its_trials():
+    """What was tuned on exactly these maps took trials that a board of fewer, or one after training, did not allow."""
+    tuned = contest.Entrant("tuned", "agent", "", None, 0, "A", 12)
+    learnt = contest.Entrant("learnt", "agent", "", None, 512, "B", 0)
+    assert per_map("A", [tuned, learnt], 5) == ()
+    assert per_map("A", [tuned, learnt], 12) == (tuned,)
+    assert per_map("B", [tuned, learnt], 20) == (learnt,)
+    assert [(one.name, one.kind) for one in tracks.within_runs([tuned, learnt], "", ())] == [
+        ("learnt", "reference")
+    ]
 
 
 def test_runs_that_two_rounds_share_are_played_once():

@@ -116,8 +116,16 @@ def test_ctrl_c_says_that_the_same_command_goes_on(tmp_path):
 
 def test_another_budget_needs_another_folder(tmp_path):
     tune.run(arguments(tmp_path))
-    with pytest.raises(LedgerError, match=r"budget: 6, now 7.*another folder"):
+    with pytest.raises(LedgerError, match=r"budget: 6, now 7.*another --out than"):
         tune.run(arguments(tmp_path, budget=7))
+
+
+def test_every_agent_has_a_place_of_its_own_for_what_it_finds(tmp_path):
+    places = [
+        tune.default_out(arguments(tmp_path, agent=agent)).name
+        for agent in ("ga", "mine/my_agent.py:MyAgent")
+    ]
+    assert places == ["hills-ga", "hills-my_agent.py-MyAgent"]
 
 
 def test_parts_of_a_batch_are_the_batch(tmp_path):

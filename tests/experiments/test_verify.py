@@ -49,6 +49,19 @@ def test_the_example_is_verified_and_the_salt_is_printed(capsys):
     assert said.rstrip().endswith("verified")
 
 
+def test_trials_that_were_paid_on_each_map_are_remarked(folder, capsys):
+    change(folder / "submission.json", trials=500, maps=2, mean_gap=0)
+    verify(Arguments(folder, salt=7, seeds=2))
+    assert "note     500 trials on each map, by its own word: no place in track B" in capsys.readouterr().out
+
+
+def test_a_setting_for_no_map_is_a_typing_error_and_falls_back_to_nothing(folder):
+    change(folder / "table.json", by_scenario={"mountain-v0/test/00": [0.1, 0.2, 0.3, 0.4]})
+    refused(
+        folder, r"table.json: field 'by_scenario': no map of .* 'mountain-v0/test/00'; did you mean 'mount"
+    )
+
+
 @pytest.mark.parametrize(("claim", "how"), [(0, "lower"), (1, "higher")])
 def test_a_claim_that_does_not_hold_says_what_differs(folder, capsys, claim, how):
     change(folder / "submission.json", mean_gap=claim, maps=2, antgym="0.0.1")

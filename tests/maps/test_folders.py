@@ -144,6 +144,14 @@ def test_a_map_may_have_one_scenario_that_is_named_in_cells_or_in_its_own_unit(f
     (folder / "suite.toml").write_text('["one.map"]\nstart = [0, 12]\ngoal = [0, 0]\n')
     with pytest.raises(ScenarioError, match=r"one\.map: start \(0, 12\) lies outside the map"):
         load_folder(folder)
+    free = np.ones((12, 12))
+    free[8, 0] = 0
+    write_map(folder / "one.map", GridWorld(free, UNIT))
+    (folder / "suite.toml").write_text('["one.map"]\nstart = [8, 0]\ngoal = [0, 0]\n')
+    with pytest.raises(
+        ScenarioError, match=r"one\.map: what suite\.toml says .*: start \(8, 0, 0\) is blocked"
+    ):
+        load_folder(folder)
 
 
 def test_rows_are_no_longer_than_the_longest_and_a_seed_draws_them(folder):

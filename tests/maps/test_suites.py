@@ -140,7 +140,9 @@ def test_a_suite_is_a_sequence_of_items_made_once():
 
 
 def test_unknown_names_are_answered_with_the_nearest():
-    with pytest.raises(ParameterError, match=r"unknown suite 'mountains'; did you mean 'mountain-v0'\?"):
+    with pytest.raises(
+        ParameterError, match=r"'mountains', nor is it a folder; did you mean 'mountain-v0'\?"
+    ):
         load_suite("mountains", "train")
     with pytest.raises(ParameterError, match=r"unknown split 'valid'; did you mean 'validation'\?"):
         load_suite("mountain-v0", "valid")
