@@ -60,7 +60,7 @@ class Arguments:
     """Run the leaderboard, by default on real terrain, or go on with one that was stopped."""
 
     preset: Literal["smoke", "quick", "full"] = "quick"
-    """smoke: under a minute, for tests; quick: minutes, the published table; full: up to hours."""
+    """smoke: under a minute, for tests; quick: minutes, the published table; full: minutes to hours."""
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
