@@ -1,22 +1,26 @@
 """Make docs/board.png, the README's picture, from a leaderboard page: one map's paths beside its interval plot.
 
-    python docs/picture.py out/board/index.html#A-100/3
+    python docs/picture.py out/board/index.html#A-100/4
 
-The address is the one that the page has when that map is open.
+The address is the one that the page has when that map is open; the map has to be one with paths.
 
-Needs Chromium, which draws the page, and Pillow (with matplotlib), which makes the file small.
+Needs Chromium and playwright, which draw the page, and Pillow, which makes the file small.
 """
 
-import os
 import shutil
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from PIL import Image
+from playwright.sync_api import sync_playwright
 
 WIDTH, HEIGHT, COLOURS = 1500, 640, 256
+FLAGS = [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+]  # it may run as root, without a GPU
 STYLE = """
 body { max-width: none; padding: 1.2rem 1.6rem; } header, .tools { display: none; }
 main { display: grid; grid-template-columns: 1.15fr 1fr; gap: 2.5rem; align-items: start; }
@@ -44,15 +48,14 @@ def main(page: Path, address: str, picture: Path) -> None:
             shutil.copy(page.parent / name, copy)
         with (copy / "page.css").open("a", encoding="utf-8") as style:
             style.write(STYLE)
-        flags = ["--headless", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking"]
-        flags += ["--no-sandbox"] * (os.geteuid() == 0)  # Chromium refuses to run as root with it
-        flags += [f"--user-data-dir={folder}/profile", f"--window-size={WIDTH},{HEIGHT}"]
-        flags += [
-            "--virtual-time-budget=10000",
-            f"--screenshot={shot}",
-            f"{(copy / page.name).as_uri()}#{address}",
-        ]
-        subprocess.run([browser, *flags], check=True, capture_output=True, timeout=120)
+        with sync_playwright() as play:
+            chromium = play.chromium.launch(executable_path=browser, args=FLAGS)
+            shown = chromium.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+            shown.goto(f"{(copy / page.name).as_uri()}#{address}")
+            shown.wait_for_selector("#scene canvas", timeout=60_000)
+            shown.wait_for_timeout(3_000)  # until the last path of the scene is drawn
+            shown.screenshot(path=shot)
+            chromium.close()
         Image.open(shot).convert("RGB").quantize(COLOURS, Image.Quantize.FASTOCTREE).save(
             picture, optimize=True
         )
