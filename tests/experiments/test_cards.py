@@ -62,5 +62,5 @@ def test_few_optima_lie_on_a_bound_where_that_matters(card):
 
 def test_gaps_come_in_the_order_that_knowledge_gives_them(card):
     gaps = {row: gap[0] for row, gap in card["gap"].items()}
-    assert gaps["VBS"] < gaps["SBS by rule"] <= gaps["SBS"] + 0.01  # scored on seeds of their own
+    assert gaps["VBS"] < gaps["SBS by rule"] <= gaps["SBS"] + 0.02  # raced on train, scored on test
     assert gaps["SBS"] < gaps["uniform random"]
