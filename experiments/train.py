@@ -93,7 +93,8 @@ class Goal(NamedTuple):
 def train(arguments: Arguments) -> dict[str, Any]:
     """Train what is left to train, publish it, and return what the policy's JSON says."""
     _check(arguments)
-    learner, asked = _learner(arguments), _asked(arguments)
+    learner = _learner(arguments)
+    asked = _asked(learner, arguments)
     finished = beside(arguments.out, ".json")
     kept = Checkpoints(beside(arguments.out, ".checkpoints"), asked)
     if finished.exists():
@@ -149,9 +150,8 @@ def _start(arguments: Arguments) -> Start | None:
     return {rules: list(setting.unit) for rules, setting in settings.items()}
 
 
-def _asked(arguments: Arguments) -> dict[str, Any]:
+def _asked(learner: Learner, arguments: Arguments) -> dict[str, Any]:
     """Return what decides a training; with the same it goes on, with anything else it does not."""
-    learner = _learner(arguments)
     names = ("algorithm", "env", "evaluations", "seed", "validation")
     asked = {name: getattr(arguments, name) for name in names}
     return {
