@@ -24,7 +24,7 @@ class Standing:
         validation_runs: planner runs spent on choosing.
         seconds: that it took.
         history: [evaluations, validation gap] of every checkpoint.
-        best: leg of the checkpoint with the lowest gap, 0 before any.
+        best: leg of the checkpoint with the lowest gap, 0 before any and for the one before all legs.
     """
 
     leg: int = 0
@@ -61,7 +61,7 @@ class Checkpoints:
 
     def best(self, model: Any) -> Any:
         """Return the model with the weights of the best checkpoint."""
-        if self.standing.best not in (0, self.standing.leg):
+        if self.standing.best != self.standing.leg:
             model.set_parameters(str(self._zip(self.standing.best)), device="cpu")
         return model
 

@@ -4,7 +4,9 @@
 
 writes OUT.safetensors and OUT.json, a policy that ``agents.make("rl", path=OUT)`` follows. Training goes in ten legs.
 After each, the policy plays the validation maps, one episode each, on runs that are counted apart; the best of the ten
-is published. Stopped or killed, the same command goes on after the last whole leg; finished, it says so.
+is published. One that changes what it begins from is judged before it has learnt anything, too: where learning only
+harms, what is published stays there. Stopped or killed, the same command goes on after the last whole leg; finished,
+it says so.
 
 Every leg begins with new episodes, its seeds a function of the root seed and the leg. So a training that was resumed
 gives the same policy as one that was not, bit for bit, with the same versions on the same machine; TensorBoard's curves
@@ -38,6 +40,7 @@ from experiments.training import facts, short
 from experiments.validation import Validation
 
 LEGS = 10
+FROM_A_START = ("moved", "each")  # actions whose middle changes nothing
 SEED_LIMIT = 1 << 32  # of NumPy's old generator, which stable-baselines3 seeds
 _LEG = 11  # seed domain
 
@@ -174,11 +177,13 @@ def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
     table = _table(learner, arguments)
     charged = table.trials if table else 0
     steps = int((arguments.evaluations - charged) / learner.runs_a_step)
-    begun = kept.standing.leg > 0
+    begun = bool(kept.standing.history)
     held = max(1, steps + charged)
     model = kept.resume(kind, envs, log) if begun else learner.model(envs, arguments.seed, held, log)
     if table and not begun:
         table.fill(model)
+    if learner.how in FROM_A_START and not begun:
+        kept.keep(model, _judged(model, kept.standing, validation))
     unit = _unit(model, learner.steps_an_episode)
     units = steps // unit if table else max(1, steps // unit)
     title = f"{arguments.algorithm} on {arguments.env}"
@@ -212,20 +217,23 @@ def _walk(
     advance: Advance,
 ) -> Standing:
     """Train a leg and validate; return how the training stands then."""
-    begun, judged = time.perf_counter(), validation.runs
+    begun = time.perf_counter()
     evaluations = before.evaluations + _learn(model, goal, leg, table, arguments, advance)
-    gap = validation.gap(model)
-    model.logger.record("validation/gap", gap)
+    standing = _judged(model, replace(before, leg=leg, evaluations=evaluations), validation)
+    model.logger.record("validation/gap", standing.history[-1][1])
     model.logger.dump(model.num_timesteps)
-    better = before.lowest is None or gap < before.lowest
+    return replace(standing, seconds=round(before.seconds + time.perf_counter() - begun, 1))
+
+
+def _judged(model: Any, standing: Standing, validation: Validation) -> Standing:
+    """Return how a training stands once its model has played the validation maps."""
+    before = validation.runs
+    gap = validation.gap(model)
     return replace(
-        before,
-        leg=leg,
-        evaluations=evaluations,
-        validation_runs=before.validation_runs + validation.runs - judged,
-        seconds=round(before.seconds + time.perf_counter() - begun, 1),
-        history=[*before.history, [evaluations, round(gap, 6)]],
-        best=leg if better else before.best,
+        standing,
+        validation_runs=standing.validation_runs + validation.runs - before,
+        history=[*standing.history, [standing.evaluations, round(gap, 6)]],
+        best=standing.leg if standing.lowest is None or gap < standing.lowest else standing.best,
     )
 
 

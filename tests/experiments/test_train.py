@@ -226,6 +226,24 @@ def test_the_published_policy_is_the_checkpoint_that_did_best(asked, monkeypatch
     assert (seen[1] != seen[2]).any()
 
 
+def test_where_learning_only_harms_what_is_published_is_the_start(asked, monkeypatch, tmp_path):
+    export(blank_model(), tmp_path / "first")
+    gaps = iter([0.1, 0.5, 0.4])
+    seen = []
+
+    def gap(self, model):
+        seen.append(model.policy.action_net.weight.detach().numpy().copy())
+        return next(gaps)
+
+    monkeypatch.setattr(train.Validation, "gap", gap)
+    arguments = asked(action="moved", start_by_policy=tmp_path / "first", evaluations=80)
+    train.train(arguments)
+    card, network = load(arguments.out)
+    assert card.history == [[0, 0.1], [40, 0.5], [80, 0.4]]
+    assert (network.action_net.weight.detach().numpy() == seen[0]).all()
+    assert (seen[0] != seen[1]).any()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
