@@ -177,6 +177,18 @@ def beside(stem: Path, suffix: str) -> Path:
     return stem.with_name(stem.name + suffix)
 
 
+def find_policy(path: str | Path) -> Path:
+    """Return NAME of a policy's two files, or of the one that is shipped by this name where no such file is."""
+    stem = stem_of(path)
+    shipped = SHIPPED / stem.name
+    plain = stem == Path(stem.name)
+    return (
+        shipped
+        if plain and not beside(stem, ".json").exists() and beside(shipped, ".json").is_file()
+        else stem
+    )
+
+
 def read_card(path: str | Path) -> PolicyCard:
     """Return the card of a published policy.
 

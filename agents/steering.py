@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from agents.choosing import start_in
 from agents.networks import Player, load
 from agents.policy import require_parameters, require_shape
+from agents.published import find_policy
 from antgym.errors import ParameterError
 from antgym.tuning import Agent, Task, changed, moved, settings_of, starts_of
 
 Floats = NDArray[np.float64]
+FLAGSHIP = "open-control"
 
 
 class Controller(Protocol):
@@ -104,7 +106,7 @@ class PolicyController:
     """A published policy of Control, deterministic.
 
     Args:
-        path: NAME of its two files, or either.
+        path: NAME of its two files, or either, or of one that is shipped.
 
     Attributes:
         card: what its JSON says.
@@ -114,7 +116,7 @@ class PolicyController:
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
+        self.path = find_policy(path)
         self.card, self._network = load(self.path)
         if self.card.regime != "Control":
             raise ParameterError(f"{self.path}: a policy of {self.card.regime} steers no run")

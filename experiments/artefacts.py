@@ -71,7 +71,7 @@ ARGUMENTS = {
     "agents.committee:CommitteeAgent": ("path", "committee.json"),
 }
 """Which argument of a trained agent takes which file."""
-FLAGSHIPS = {"policy.json": policy.FLAGSHIP, "committee.json": committee.FLAGSHIP}
+FLAGSHIPS = {"policy.json": f"{policy.FLAGSHIP}.json", "committee.json": f"{committee.FLAGSHIP}.json"}
 """Which of these files come with antgym, and by what name."""
 
 
@@ -184,16 +184,16 @@ def _file(name: str, kind: str) -> str:
 def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
     """Return the keyword argument by which an agent finds its file; empty where it needs none.
 
-    Without a folder it is what comes with antgym, for ``rl`` and ``rl_committee``, or a file of TRAINED.
+    Without a folder it is what comes with antgym, for ``rl``, ``rl:NAME`` and ``rl_committee``, or a file of TRAINED.
     """
     card = agents.find_card(name)
     if not card.trained:
         return {}
     argument, kind = ARGUMENTS[card.entry_point]
     file = _file(name, kind)
-    flagship = SHIPPED / f"{FLAGSHIPS.get(file)}.json"
-    if folder is None and flagship.exists():
-        return {argument: flagship}
+    shipped = SHIPPED / FLAGSHIPS.get(file, file)
+    if folder is None and shipped.exists():
+        return {argument: shipped}
     return {argument: (folder or TRAINED) / file}
 
 

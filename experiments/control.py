@@ -1,12 +1,12 @@
 """Race controllers: who sets the parameters of a run on the way, against settings that stay.
 
-    python -m experiments.control best_static_by_rules schedule out/steer.json --suite open-v0 --out out/control
+    python -m experiments.control best_static_by_rules schedule open-control --suite open-v0 --out out/control
 
 plays every controller on the maps of a split, one run of ten blocks per map and seed, all at the same effort and on
 the same seeds, which no training and no other harness uses. What is raced is an agent of the catalogue, whose
 recommendation without a trial then stays; ``schedule``, the best one of the suite's card on top of the setting of
-``--against``; or the file of a policy: one of Control steers, one of OneShot chooses once. Stopped, the same command
-goes on; with more controllers, it plays those that are new.
+``--against``; or a policy, its file or the name of a shipped one: one of Control steers, one of OneShot chooses once.
+Stopped, the same command goes on; with more controllers, it plays those that are new.
 """
 
 from collections.abc import Iterator, Sequence
@@ -47,7 +47,7 @@ class Arguments:
     """Race controllers, or go on with a race that was stopped."""
 
     controllers: Annotated[tuple[str, ...], tyro.conf.Positional] = ("published_default", STATIC, SCHEDULE)
-    """Agents of the catalogue, "schedule", and files of policies of Control or OneShot."""
+    """Agents of the catalogue, "schedule", and policies of Control or OneShot: files, or names of shipped ones."""
     suite: str = "open-v0"
     """Suite of the maps."""
     split: Literal["validation", "test", "ood"] = "test"

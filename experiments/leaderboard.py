@@ -16,11 +16,13 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import agents
+from agents.steering import FLAGSHIP
 from agents.stranger import CALL_SECONDS
 from antgym.console import main, parse, progress
 from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, digest_of
+from antgym.planners.planning import are_bees
 from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
 from experiments.artefacts import prepare, trained_hashes
@@ -78,7 +80,8 @@ class Arguments:
     maps: int | None = None
     """The first so many maps of the split; by default the preset's number."""
     controllers: tuple[str, ...] = ()
-    """Files of published policies that take part in C beside the agents."""
+    """Published policies that take part in C beside the agents: their files, or names of shipped ones; by default the
+    shipped one of Control, where ants are steered."""
     call_seconds: float = CALL_SECONDS
     """Seconds that an agent of your own may take for one call; then its run has failed, and the board goes on."""
 
@@ -115,7 +118,7 @@ def plan_board(arguments: Arguments) -> Plan:
         "agents": list(arguments.agents),
         "call_seconds": arguments.call_seconds,  # decides failures
     }
-    names = [*names_of(arguments), *_submitted(arguments), *(["rl"] if arguments.controllers else [])]
+    names = [*names_of(arguments), *_submitted(arguments), *(["rl"] if _controllers(arguments) else [])]
     return Plan(config, provenance.versions(names), items, preset)
 
 
@@ -181,6 +184,13 @@ def _submitted(arguments: Arguments) -> tuple[str, ...]:
     return tuple(name for name in arguments.agents if agents.find_card(name).steers)
 
 
+def _controllers(arguments: Arguments) -> tuple[str, ...]:
+    """Return the policies that steer in C."""
+    if arguments.controllers or "C" not in arguments.track:
+        return arguments.controllers
+    return () if are_bees(find_items(arguments.suite, "train").rules) else (FLAGSHIP,)
+
+
 def _agents(arguments: Arguments) -> tuple[str, ...]:
     return tuple(name for name in arguments.agents if not agents.find_card(name).steers)
 
@@ -216,7 +226,7 @@ def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) 
         for budget in _budgets(track, arguments):
             if track == "C":
                 playing: Sequence[Any] = tracks.within_runs(
-                    entrants, arguments.suite, arguments.controllers, _submitted(arguments)
+                    entrants, arguments.suite, _controllers(arguments), _submitted(arguments)
                 )
                 items = tuple(steerable(plan.items))
             else:
@@ -227,7 +237,7 @@ def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) 
 
 def pins(arguments: Arguments) -> dict[str, str]:
     """Return the hashes of the files that the entrants of a board are, by name."""
-    files = trained_hashes(arguments.out / TRAINED) | policy_hashes(arguments.controllers)
+    files = trained_hashes(arguments.out / TRAINED) | policy_hashes(_controllers(arguments))
     return files | foreign_files(arguments.agents)
 
 

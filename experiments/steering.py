@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from agents import find_card
 from agents.policy import PolicyAgent
-from agents.published import beside, read_card, stem_of
+from agents.published import beside, find_policy, read_card
 from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
 from agents.stranger import Stranger
 from agents.submission import SubmittedController
@@ -166,7 +166,7 @@ def controllers(
 
     Args:
         constants: never told of the run.
-        policies: their files, of Control or OneShot.
+        policies: their files, of Control or OneShot, or names of those that are shipped.
         against: the one of the constants whose setting a schedule changes.
         schedule: None for no such entrant.
         submitted: folders of submissions that steer.
@@ -196,12 +196,13 @@ def _submission(folder: str) -> Entrant:
     return Entrant(folder, SubmittedController(card.files[1]), card.training, "agent", card.summary)
 
 
-def _policy(path: str) -> Entrant:
+def _policy(name: str) -> Entrant:
     """Return a policy of Control as it steers, one of OneShot as a constant."""
+    path = find_policy(name)
     card = read_card(path)
     controller = PolicyController(path) if card.regime == "Control" else ConstantController(PolicyAgent(path))
     training = card.evaluations + card.start_evaluations
-    return Entrant(stem_of(path).name, controller, training, "agent", f"published policy of {card.regime}")
+    return Entrant(path.name, controller, training, "agent", f"published policy of {card.regime}")
 
 
 def card_schedule(suite: str) -> Schedule:
@@ -224,5 +225,5 @@ def find_schedule(suite: str) -> Schedule | None:
 
 def policy_hashes(policies: Sequence[str]) -> dict[str, str]:
     """Return the hashes of policies' files, by names that no other file of a ledger has."""
-    files = [beside(stem_of(path), suffix) for path in policies for suffix in (".json", ".safetensors")]
+    files = [beside(find_policy(name), suffix) for name in policies for suffix in (".json", ".safetensors")]
     return {f"policy {file.name}": provenance.file_hash(file) for file in files}

@@ -121,7 +121,7 @@ def test_other_tracks_join_the_ledger_of_a_board_and_share_what_they_can(board, 
     joined = [json.loads(line) for line in lines(folder)[len(before) :]]
     assert {fields["run"].split("/")[1] for fields in joined if fields["run"].count("/") == 3} == {"0"}
     steered = {fields["run"].split("/")[0] for fields in joined if fields["run"].count("/") == 2}
-    assert steered == {*ALWAYS, "neighbours", steering.SCHEDULE} - {"random_search"}
+    assert steered == {*ALWAYS, "neighbours", steering.SCHEDULE, "open-control"} - {"random_search"}
     tables = (folder / "board.md").read_text(encoding="utf-8")
     without = tables.partition("0 trials per map")[2].partition("##")[0]
     assert "| 1 | neighbours |" in without

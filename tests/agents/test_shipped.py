@@ -1,0 +1,69 @@
+"""The policies that come with antgym: small, whole, and played by name where their regime is."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("sb3_contrib", reason="needs the extra rl")
+pytest.importorskip("safetensors", reason="needs the extra rl")
+
+import agents
+from agents.networks import load
+from agents.published import SHIPPED, beside, find_policy, read_card
+from agents.steering import PolicyController
+from antgym.maps.suites import load_suite
+from antgym.tuning import Session, tune
+from antgym.tuning.problem import TuningProblem
+from antgym.tuning.run_features import observe_run
+from experiments.artefacts import trained_argument
+
+POLICIES = sorted(path.with_suffix("") for path in SHIPPED.glob("*.safetensors"))
+FLAGSHIPS = {"open-one-shot": "OneShot", "open-trials": "Trials", "open-control": "Control"}
+
+
+@pytest.fixture(scope="module")
+def problem():
+    item = load_suite("open-v0", "test")[3]
+    return TuningProblem(item.scenario, item.rules, item.ants, max(item.iterations, 40))
+
+
+def test_there_is_one_for_every_regime():
+    assert {name: read_card(SHIPPED / name).regime for name in FLAGSHIPS} == FLAGSHIPS
+    assert {read_card(SHIPPED / name).env for name in FLAGSHIPS} == {
+        f"antgym/Open{regime}-v0" for regime in FLAGSHIPS.values()
+    }
+
+
+@pytest.mark.parametrize("policy", POLICIES, ids=lambda path: path.name)
+def test_each_is_small_and_says_how_it_was_made(policy):
+    card, _ = load(policy)
+    assert sum(beside(policy, suffix).stat().st_size for suffix in (".json", ".safetensors")) <= 500_000
+    assert card.validation_gap == min(gap for _, gap in card.history)
+    assert card.settings["asked"]["evaluations"] >= card.evaluations > 0
+
+
+def test_a_policy_of_trials_is_an_agent_by_name(problem):
+    agent = agents.make("rl:open-trials", **trained_argument("rl:open-trials", None))
+    session = Session(problem, 3)
+    setting, trials = tune(agent, session, seed=0)
+    assert len(trials) == 3
+    assert ((setting >= 0) & (setting <= 1)).all()
+
+
+def test_a_policy_that_steers_is_found_by_name(problem):
+    controller = PolicyController("open-control")
+    session = Session(problem, 1)
+    controller.reset(session.task, seed=0)
+    session.open(10)
+    setting = controller.act(observe_run(session.task, session.opened))
+    assert ((setting >= 0) & (setting <= 1)).all()
+    assert np.abs(setting - 0.5).max() > 0.01
+
+
+def test_a_file_of_ones_own_goes_before_a_shipped_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert find_policy("open-control") == SHIPPED / "open-control"
+    assert find_policy("out/open-control") == Path("out/open-control")
+    (tmp_path / "open-control.json").write_text("{}")
+    assert find_policy("open-control.json").parent != SHIPPED
