@@ -178,15 +178,11 @@ def beside(stem: Path, suffix: str) -> Path:
 
 
 def find_policy(path: str | Path) -> Path:
-    """Return NAME of a policy's two files, or of the one that is shipped by this name where no such file is."""
-    stem = stem_of(path)
+    """Return the path of a policy, as it is given, or that of the shipped one of this name where there is no file."""
+    given, stem = Path(path), stem_of(path)
     shipped = SHIPPED / stem.name
-    plain = stem == Path(stem.name)
-    return (
-        shipped
-        if plain and not beside(stem, ".json").exists() and beside(shipped, ".json").is_file()
-        else stem
-    )
+    named = stem == Path(stem.name) and not beside(stem, ".json").exists()
+    return shipped if named and beside(shipped, ".json").is_file() else given
 
 
 def read_card(path: str | Path) -> PolicyCard:

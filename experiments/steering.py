@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from agents import find_card
 from agents.policy import PolicyAgent
-from agents.published import beside, find_policy, read_card
+from agents.published import beside, find_policy, read_card, stem_of
 from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
 from agents.stranger import Stranger
 from agents.submission import SubmittedController
@@ -202,7 +202,7 @@ def _policy(name: str) -> Entrant:
     card = read_card(path)
     controller = PolicyController(path) if card.regime == "Control" else ConstantController(PolicyAgent(path))
     training = card.evaluations + card.start_evaluations
-    return Entrant(path.name, controller, training, "agent", f"published policy of {card.regime}")
+    return Entrant(stem_of(path).name, controller, training, "agent", f"published policy of {card.regime}")
 
 
 def card_schedule(suite: str) -> Schedule:
@@ -225,5 +225,6 @@ def find_schedule(suite: str) -> Schedule | None:
 
 def policy_hashes(policies: Sequence[str]) -> dict[str, str]:
     """Return the hashes of policies' files, by names that no other file of a ledger has."""
-    files = [beside(find_policy(name), suffix) for name in policies for suffix in (".json", ".safetensors")]
+    stems = [stem_of(find_policy(name)) for name in policies]
+    files = [beside(stem, suffix) for stem in stems for suffix in (".json", ".safetensors")]
     return {f"policy {file.name}": provenance.file_hash(file) for file in files}
