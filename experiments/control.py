@@ -6,7 +6,8 @@ plays every controller on the maps of a split, one run of ten blocks per map and
 the same seeds, which no training and no other harness uses. What is raced is an agent of the catalogue, whose
 recommendation without a trial then stays; ``schedule``, the best one of the suite's card on top of the setting of
 ``--against``; or a policy, its file or the name of a shipped one: one of Control steers, one of OneShot chooses once.
-Stopped, the same command goes on; with more controllers, it plays those that are new.
+Files that differ in a number at the end, as out/steer-1 and out/steer-2, are shown together, too. Stopped, the same
+command goes on; with more controllers, it plays those that are new.
 """
 
 from collections.abc import Iterator, Sequence
@@ -38,6 +39,8 @@ from experiments.steering import (
     policy_hashes,
     steerable,
 )
+from experiments.tables.sheet import table
+from experiments.trainings import trainings
 
 STATIC = "best_static_by_rules"
 
@@ -130,28 +133,39 @@ def _gaps(entrant: Entrant, item: SuiteItem, seeds: int, ledger: Ledger) -> Iter
 def to_markdown(
     entrants: Sequence[Entrant], items: Sequence[SuiteItem], arguments: Arguments, ledger: Ledger
 ) -> str:
-    """Return the table: mean gaps in per cent, intervals over maps and seeds, differences paired by map."""
+    """Return the table: mean gaps in per cent, intervals over maps and seeds, differences paired by map.
+
+    Differences are to ``--against``, and to the schedule where it is raced; several trainings are shown as one, too.
+    """
     gaps = {entrant.name: gaps_of(entrant, items, arguments.seeds, ledger) for entrant in entrants}
-    lines = [
-        f"{arguments.suite}, {arguments.split}: {len(items)} maps, {arguments.seeds} runs each; gaps in per cent.",
-        "",
-        f"| controller | mean gap | 95 % interval | solved | minus {arguments.against} | training |",
-        "|:--|--:|--:|--:|--:|--:|",
+    spent = {entrant.name: entrant.training for entrant in entrants}
+    for label, names in trainings(gaps).items():
+        gaps[label] = np.concatenate([gaps[name] for name in names], axis=1)
+        spent[label] = spent[names[0]]
+    against = [arguments.against, *([SCHEDULE] if SCHEDULE in gaps else [])]
+    heads = [
+        "controller",
+        "mean gap",
+        "95 % interval",
+        "solved",
+        *(f"minus {one}" for one in against),
+        "training",
     ]
-    for entrant in sorted(entrants, key=lambda one: float(gaps[one.name].mean())):
-        own = gaps[entrant.name]
-        low, high = cluster_interval(own)
-        training = "see the card" if entrant.training is None else f"{entrant.training:,}"
-        cells = (
-            f"`{entrant.name}`",
-            f"{100 * own.mean():.2f}",
-            f"{100 * low:.2f} to {100 * high:.2f}",
-            f"{100 * (own < 1).mean():.0f} %",
-            "–" if entrant.name == arguments.against else _difference(own, gaps[arguments.against]),
-            training,
+    rows = []
+    for name in sorted(gaps, key=lambda name: float(gaps[name].mean())):
+        low, high = cluster_interval(gaps[name])
+        rows.append(
+            [
+                f"`{name}`",
+                f"{100 * gaps[name].mean():.2f}",
+                f"{100 * low:.2f} to {100 * high:.2f}",
+                f"{100 * (gaps[name] < 1).mean():.0f} %",
+                *("–" if name == one else _difference(gaps[name], gaps[one]) for one in against),
+                "see the card" if spent[name] is None else f"{spent[name]:,}",
+            ]
         )
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+    title = f"{arguments.suite}, {arguments.split}: {len(items)} maps, {arguments.seeds} runs each; gaps in per cent."
+    return f"{title}\n\n{table(heads, rows)}\n"
 
 
 def _difference(own: NDArray[np.float64], static: NDArray[np.float64]) -> str:

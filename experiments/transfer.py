@@ -28,6 +28,7 @@ from experiments.artefacts import spent, trained_hashes
 from experiments.contest import enter, jobs, play
 from experiments.statistics import Estimate, cluster_interval, paired_difference, wilson_interval
 from experiments.tables.sheet import new_figure, publish, table
+from experiments.trainings import trainings
 
 Floats = NDArray[np.float64]
 DEFAULT, COPY = "published_default", "copy_best_source"
@@ -68,7 +69,8 @@ class Arguments:
     fresh: int = 16
     """Runs that judge each recommendation."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue; the first is compared with all others."""
+    """Names in the catalogue; the first is compared with all others. Files that differ in a number at the end, as
+    rl:ppo-1 and rl:ppo-2, are shown together, too."""
 
 
 class Outcome(NamedTuple):
@@ -132,6 +134,20 @@ def _outcome(runs: Sequence[LedgerRun], maps: int) -> Outcome:
     return Outcome(gaps.reshape(maps, -1, gaps.shape[1]), trials, float(np.isfinite(lengths).mean()))
 
 
+def with_trainings(outcomes: dict[Key, Outcome]) -> dict[Key, Outcome]:
+    """Return the outcomes, and those of several trainings of one agent together, (maps, seeds x trainings, fresh)."""
+    together = {}
+    for label, names in trainings(dict.fromkeys(name for _, name in outcomes)).items():
+        for budget in dict.fromkeys(budget for budget, _ in outcomes):
+            members = [outcomes[budget, name] for name in names]
+            together[budget, label] = Outcome(
+                np.concatenate([each.gaps for each in members], axis=1),
+                float(np.mean([each.trials for each in members])),
+                float(np.mean([each.arrived for each in members])),
+            )
+    return outcomes | together
+
+
 def worse(outcome: Outcome, reference: Outcome) -> int:
     """Return on how many maps an outcome is clearly worse than a reference: by more than two standard errors."""
     ours, theirs = (np.reshape(o.gaps, (len(o.gaps), -1)) for o in (outcome, reference))
@@ -144,6 +160,7 @@ def report(arguments: Arguments) -> Path:
     new_figure(1, 1)  # a missing library is told before the work, not after it
     outcomes = measure(arguments)
     graph = TransferGraph.load(arguments.artefacts / GRAPH)
+    shown = with_trainings(outcomes)
     arguments.out.mkdir(parents=True, exist_ok=True)
     graph.plot(arguments.out / "graph.png")
     parts = [
@@ -151,8 +168,8 @@ def report(arguments: Arguments) -> Path:
         f"{arguments.seeds} seeds a map, each recommendation judged on {arguments.fresh} fresh runs; gaps in %, "
         "with 95 % intervals over maps and seeds.",
         "## In short",
-        _summary(arguments, outcomes),
-        *(_section(arguments, budget, outcomes) for budget in arguments.budgets),
+        _summary(arguments, shown),
+        *(_section(arguments, budget, shown) for budget in arguments.budgets),
         "## The graph: each source left out",
         _left_out(graph),
         "![graph](graph.png) ![gaps](transfer.png)",
@@ -167,7 +184,7 @@ def _summary(arguments: Arguments, outcomes: dict[Key, Outcome]) -> str:
     """Return the mean gaps of all agents, those that are best at the largest budget first."""
     last = arguments.budgets[-1]
     rows = []
-    for name in sorted(arguments.agents, key=lambda name: float(outcomes[last, name].means.mean())):
+    for name in _ranked(outcomes, last):
         cells = []
         for budget in arguments.budgets:
             means = outcomes[budget, name].means
@@ -175,6 +192,11 @@ def _summary(arguments: Arguments, outcomes: dict[Key, Outcome]) -> str:
             cells.append(f"{100 * means.mean():.1f} [{100 * low:.1f}, {100 * high:.1f}]")
         rows.append([f"`{name}`", *cells])
     return table(["agent", *(f"{budget} trials" for budget in arguments.budgets)], rows)
+
+
+def _ranked(outcomes: dict[Key, Outcome], budget: int) -> list[str]:
+    means = {name: outcome.means.mean() for (asked, name), outcome in outcomes.items() if asked == budget}
+    return sorted(means, key=lambda name: float(means[name]))
 
 
 HEADINGS = (
@@ -186,7 +208,7 @@ HEADINGS = (
 def _section(arguments: Arguments, budget: int, outcomes: dict[Key, Outcome]) -> str:
     first = outcomes[budget, arguments.agents[0]]
     rows = []
-    for name in sorted(arguments.agents, key=lambda name: float(outcomes[budget, name].means.mean())):
+    for name in _ranked(outcomes, budget):
         found = outcomes[budget, name]
         low, high = cluster_interval(found.means)
         shares = [_share(worse(found, outcomes[budget, other]), len(found.gaps)) for other in (DEFAULT, COPY)]

@@ -81,6 +81,18 @@ def test_a_policy_and_a_schedule_race_against_the_static_setting(asked, tmp_path
     }
     assert all("[" in row for row in rows if "best_static" not in row)
     assert next(row for row in rows if "`steer`" in row).endswith("| 9 |")
+    assert next(row for row in rows if "`schedule`" in row).split("|")[6].strip() == "–"
+
+
+def test_trainings_that_differ_in_their_seed_are_shown_as_one_too(asked, tmp_path):
+    for seed in (1, 2):
+        model = blank_model(seed=seed, size=len(CONTROL_FEATURES), action="each")
+        export(model, tmp_path / f"steer-{seed}", regime="Control", evaluations=9)
+    table = race(asked(*(str(tmp_path / f"steer-{seed}") for seed in (1, 2))))
+    means = {line.split("`")[1]: float(line.split("|")[2]) for line in table.splitlines() if "`" in line}
+    together = means.pop("steer, 2 trainings")
+    assert set(means) == {"steer-1", "steer-2", "best_static_by_rules"}
+    assert together == pytest.approx((means["steer-1"] + means["steer-2"]) / 2, abs=0.011)
 
 
 def test_a_race_that_was_stopped_ends_in_the_same_ledger_and_plays_nothing_twice(asked, monkeypatch):

@@ -50,6 +50,20 @@ def test_worse_is_what_two_standard_errors_cannot_explain():
     assert transfer.worse(ours, ours) == 0
 
 
+def test_trainings_that_differ_in_their_seed_are_one_agent_too():
+    """By hand: two maps, a seed each."""
+    first, second, alone = (
+        Outcome(np.array([[[a]], [[b]]]), trials, arrived)
+        for a, b, trials, arrived in ((0.1, 0.3, 4, 1.0), (0.3, 0.5, 2, 0.5), (0.9, 0.9, 0, 0.0))
+    )
+    outcomes = {(5, "rl:ppo-1"): first, (5, "rl:ppo-2"): second, (5, "rl:sac-1"): alone}
+    shown = transfer.with_trainings(outcomes)
+    assert set(shown) == {*outcomes, (5, "rl:ppo, 2 trainings")}
+    together = shown[5, "rl:ppo, 2 trainings"]
+    assert together.means.tolist() == [[0.1, 0.3], [0.3, 0.5]]
+    assert (together.trials, together.arrived) == (3.0, 0.75)
+
+
 def test_the_references_of_negative_transfer_must_be_there():
     with pytest.raises(ParameterError, match="must name copy_best_source and published_default"):
         transfer.measure(Arguments(agents=("transfer_graph",)))
