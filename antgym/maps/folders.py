@@ -18,10 +18,10 @@ from antgym.maps import suite_file
 from antgym.maps.formats.movingai import Rows
 from antgym.maps.formats.ros import picture_of
 from antgym.maps.generators.draws import has_path
+from antgym.maps.items import SPLITS, OwnSuite, SuiteItem
 from antgym.maps.pairs import drawn
 from antgym.maps.readers import KINDS, read_map, read_scenarios, suffix_of
 from antgym.maps.suite_file import SuiteFile, Terms, read_suite_file
-from antgym.maps.suites import SPLITS, OwnSuite, SuiteItem
 from antgym.maps.world import Scenario
 
 SCENARIOS = (".scen", ".3dscen")
