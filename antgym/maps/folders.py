@@ -15,8 +15,8 @@ import numpy as np
 
 from antgym.errors import MapError, ParameterError, ScenarioError
 from antgym.maps import suite_file
-from antgym.maps.formats.movingai import Rows
 from antgym.maps.formats.ros import picture_of
+from antgym.maps.formats.rows import Rows
 from antgym.maps.generators.draws import has_path
 from antgym.maps.items import SPLITS, OwnSuite, SuiteItem
 from antgym.maps.pairs import drawn
