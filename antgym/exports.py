@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from antgym.console import write_whole
 from antgym.errors import MapError, nearest
 from antgym.maps.formats import elevation, movingai, octomap, ros, voxels
+from antgym.maps.formats.rows import scen_bytes, voxel_scen_bytes
 from antgym.maps.map import Frame, Map
 from antgym.maps.readers import suffix_of
 from antgym.maps.world import GridWorld, Scenario
@@ -115,7 +116,7 @@ def write_scenarios(path: str | Path, scenarios: Sequence[Scenario], map_name: s
         AntgymError: if the file cannot be written.
     """
     path = Path(path)
-    write = {".scen": movingai.scen_bytes, ".3dscen": voxels.voxel_scen_bytes}
+    write = {".scen": scen_bytes, ".3dscen": voxel_scen_bytes}
     if path.suffix.lower() not in write:
         raise MapError(
             f"{path}: unknown kind of scenario file {path.suffix!r}; {nearest(path.suffix, SCENARIOS)}"

@@ -1,6 +1,6 @@
-"""The currency between a leaderboard and its faces: rows of gaps in, tables for terminals and READMEs out.
+"""The currency between a leaderboard and its faces: rows of gaps, their order and what they are measured by.
 
-A board is computed from ledgers and holds plain numbers; whoever shows it (here, ``report.page``) recomputes
+A board is computed from ledgers and holds plain numbers; whoever shows it (``board_table``, ``report.page``) recomputes
 nothing but statistics of its gaps.
 """
 
@@ -12,12 +12,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
-from rich.text import Text
 
 from antgym.errors import AntgymError
-from experiments.columns import COLUMNS, IN_TERMINAL, TIE, cells, headline, size
 from experiments.statistics import (
     Estimate,
     cluster_interval,
@@ -260,45 +256,6 @@ def _ties(agents: Sequence[Row]) -> list[bool]:
     return [bool(p > ALPHA) for p in apart]
 
 
-def to_table(board: Board) -> Table:
-    """Return the board for a terminal; references stand in their order, dim and without a place."""
-    caption = Text("\n".join([f"{size(board)}. Without #: references. {TIE}", *failures(board)]))
-    table = Table(title=Text(headline(board)), caption=caption, box=SIMPLE_HEAD, padding=0)
-    table.add_column("#", justify="right", no_wrap=True)
-    table.add_column("agent", overflow="fold")
-    for column in IN_TERMINAL:
-        table.add_column(column.heading.replace(" ", "\n", 1), justify="right", overflow="fold")
-    for row in board.ranked:
-        reference = row.kind == "reference"
-        texts = ["" if reference else str(board.places[row.name]), row.name, *cells(row, board, IN_TERMINAL)]
-        table.add_row(*map(Text, texts), style="dim italic" if reference else None)
-    return table
-
-
-def to_markdown(board: Board) -> str:
-    """Return the board as a Markdown table with the line that explains it; references in italics."""
-    lines = [markdown_line(["#", "agent", *(column.heading for column in COLUMNS)])]
-    lines += [markdown_line(["--:", ":--", *["--:"] * len(COLUMNS)])]
-    for row in board.ranked:
-        name, reference = plain(row.name), row.kind == "reference"
-        place = "" if reference else str(board.places[row.name])
-        lines.append(markdown_line([place, f"*{name}*" if reference else name, *cells(row, board)]))
-    lines += ["", f"{size(board)}. In brackets 95 % intervals. {TIE} In italics: references.", ""]
-    for failure in failures(board):
-        lines += [plain(failure), ""]
-    return "\n".join(lines)
-
-
 def failures(board: Board) -> list[str]:
     """Return what there is to say of agents whose runs failed, a line each."""
     return [f"{row.name}: {row.failure}." for row in board.ranked if row.failure]
-
-
-def markdown_line(texts: Sequence[str]) -> str:
-    """Return a line of a Markdown table."""
-    return f"| {' | '.join(texts)} |"
-
-
-def plain(name: str) -> str:
-    """Escape what Markdown would take for markup, and line breaks."""
-    return "".join(f"\\{sign}" if sign in "\\`*[]<>|" else sign for sign in " ".join(name.split()))

@@ -6,7 +6,8 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from experiments.board import Board, Row, markdown_line, plain
+from experiments.board import Board, Row
+from experiments.board_table import markdown_line, plain
 from experiments.columns import NONE, by_budget_headline, percent
 
 

@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from experiments.board import Board, Row
-    from experiments.statistics import Estimate
+from experiments.board import Board, Row
+from experiments.statistics import Estimate
 
 NONE = "–"
 TRACKS = {
@@ -17,7 +16,7 @@ TRACKS = {
 """Name and meaning of every track."""
 
 
-def _no_interval(row: "Row", board: "Board") -> None:  # noqa: ARG001 - a column without one
+def _no_interval(row: Row, board: Board) -> None:  # noqa: ARG001 - a column without one
     return None
 
 
@@ -35,9 +34,9 @@ class Column(NamedTuple):
 
     heading: str
     meaning: str
-    value: Callable[["Row", "Board"], float | None]
+    value: Callable[[Row, Board], float | None]
     text: Callable[[float], str]
-    interval: Callable[["Row", "Board"], tuple[float, float] | None] = _no_interval
+    interval: Callable[[Row, Board], tuple[float, float] | None] = _no_interval
     terminal: bool = True
 
 
@@ -149,12 +148,12 @@ TIE = (
 )
 
 
-def cells(row: "Row", board: "Board", columns: Sequence[Column] = COLUMNS) -> list[str]:
+def cells(row: Row, board: Board, columns: Sequence[Column] = COLUMNS) -> list[str]:
     """Return a row's printed numbers, one per column, with their intervals."""
     return [_cell(row, board, column) for column in columns]
 
 
-def _cell(row: "Row", board: "Board", column: Column) -> str:
+def _cell(row: Row, board: Board, column: Column) -> str:
     value, ends = column.value(row, board), column.interval(row, board)
     if value is None:
         return NONE
@@ -164,33 +163,33 @@ def _cell(row: "Row", board: "Board", column: Column) -> str:
     return f"{column.text(value)} [{low}{' to ' if '−' in low + high else '–'}{high}]"
 
 
-def _mean(found: "Estimate | None") -> float | None:
+def _mean(found: Estimate | None) -> float | None:
     return None if found is None else found.mean
 
 
-def _ends(found: "Estimate | None") -> tuple[float, float] | None:
+def _ends(found: Estimate | None) -> tuple[float, float] | None:
     return None if found is None else (found.low, found.high)
 
 
-def headline(board: "Board") -> str:
+def headline(board: Board) -> str:
     """Return the title of a board among those of other tracks and budgets."""
     return f"{_track(board)}, {_trials(board)} per map" if board.track != "C" else _track(board)
 
 
-def by_budget_headline(board: "Board") -> str:
+def by_budget_headline(board: Board) -> str:
     """Return the title of the table that shows all budgets of a board's track."""
     return f"{_track(board)}, mean gap % by trials per map"
 
 
-def _track(board: "Board") -> str:
+def _track(board: Board) -> str:
     return f"{board.title}: track {board.track} ({TRACKS[board.track][0]})"
 
 
-def _trials(board: "Board") -> str:
+def _trials(board: Board) -> str:
     return "1 trial" if board.budget == 1 else f"{board.budget:,} trials"
 
 
-def size(board: "Board") -> str:
+def size(board: Board) -> str:
     """Return the line that says how much data a board stands on."""
     if board.track == "C":
         return f"{len(board.scenarios)} maps × {board.seeds} runs, each steered in blocks"

@@ -9,7 +9,8 @@ from rich.console import Console
 
 from antgym.console import write_whole
 from antgym.tuning.ledger import Ledger
-from experiments.board import Board, to_markdown, to_table
+from experiments.board import Board
+from experiments.board_table import to_markdown, to_table
 from experiments.budgets import budgets_to_markdown, by_budget
 from experiments.columns import by_budget_headline, headline
 from experiments.pictures import draw

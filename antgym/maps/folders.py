@@ -15,13 +15,13 @@ import numpy as np
 
 from antgym.errors import MapError, ParameterError, ScenarioError
 from antgym.maps import suite_file
-from antgym.maps.formats.movingai import Rows
 from antgym.maps.formats.ros import picture_of
+from antgym.maps.formats.rows import Rows
 from antgym.maps.generators.draws import has_path
+from antgym.maps.items import SPLITS, OwnSuite, SuiteItem
 from antgym.maps.pairs import drawn
 from antgym.maps.readers import KINDS, read_map, read_scenarios, suffix_of
 from antgym.maps.suite_file import SuiteFile, Terms, read_suite_file
-from antgym.maps.suites import SPLITS, OwnSuite, SuiteItem
 from antgym.maps.world import Scenario
 
 SCENARIOS = (".scen", ".3dscen")

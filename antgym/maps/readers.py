@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from antgym.errors import MapError, nearest
 from antgym.maps import camera, ground
 from antgym.maps.formats import movingai, octomap, pictures, ros, shapes, voxels
-from antgym.maps.formats.movingai import Rows
+from antgym.maps.formats.rows import Rows, read_rows, read_voxel_rows
 from antgym.maps.map import Map
 
 
@@ -88,7 +88,7 @@ def read_scenarios(path: str | Path, map_path: str | Path | None = None) -> Rows
         MapError: if the file is missing or damaged; it names the line.
     """
     path = Path(path)
-    readers = {".scen": movingai.read_rows, ".3dscen": voxels.read_voxel_rows}
+    readers = {".scen": read_rows, ".3dscen": read_voxel_rows}
     if path.suffix.lower() not in readers:
         raise MapError(f"{path}: unknown kind of scenario file {path.suffix!r}; valid: {', '.join(readers)}")
     return readers[path.suffix.lower()](path, None if map_path is None else Path(map_path))

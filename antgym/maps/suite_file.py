@@ -31,8 +31,8 @@ from typing import Any, NamedTuple
 
 from antgym.errors import AntgymError, ParameterError, nearest
 from antgym.maps.formats.files import text
+from antgym.maps.items import SPLITS
 from antgym.maps.readers import options_of
-from antgym.maps.suites import SPLITS
 
 NAME = "suite.toml"
 MOST_BYTES = 64_000

@@ -5,50 +5,25 @@ nor the size of another split matters. A suite never changes; another world is a
 """
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple, overload
+from typing import Any, overload
 
 import numpy as np
 
 from antgym.errors import ParameterError, nearest
-from antgym.maps.discs import DiscWorld
-from antgym.maps.fleet import Fleet
+from antgym.maps.folders import load_folder
 from antgym.maps.formats.elevation import jacksboro
 from antgym.maps.generators import terrain_windows
+from antgym.maps.items import SPLITS, OwnSuite, SuiteItem, digest_of
 from antgym.maps.recipes import SUITES, draw
 from antgym.maps.world import Scenario
 
-SPLITS = ("train", "validation", "test", "ood")
+__all__ = ["SPLITS", "Items", "OwnSuite", "Suite", "SuiteItem", "digest_of", "load_suite"]
+
 OOD_ANTS, OOD_ITERATIONS = 20, 50  # on real terrain
-
-
-class SuiteItem(NamedTuple):
-    """A scenario and the effort and rules it is planned with.
-
-    Attributes:
-        name: suite, split and number of what is generated, or window and rotation of real terrain; of one's own, any.
-        scenario: what is planned, for one robot or for a fleet.
-        ants: ants per iteration, or bees.
-        iterations: iterations per run, or cycles.
-        rules: name of the swarm's rules.
-        family: of the scenario, ``"terrain"`` for real terrain, ``"own"`` for one's own.
-    """
-
-    name: str
-    scenario: Scenario[Any, Any] | Fleet
-    ants: int = 20
-    iterations: int = 50
-    rules: str = "liu2020"
-    family: str = "own"
-
-
-def digest_of(items: Iterable[SuiteItem]) -> str:
-    """Return the hash of the scenarios, efforts and rules of items in order, 64 hex digits."""
-    lines = (f"{item.scenario.digest} {item.ants} {item.iterations} {item.rules}\n" for item in items)
-    return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
 @lru_cache
@@ -136,28 +111,6 @@ class Suite(Sequence[SuiteItem]):
         )
 
 
-class OwnSuite(tuple[SuiteItem, ...]):
-    """Scenarios of one's own in the place of a suite's split."""
-
-    __slots__ = ()
-
-    @property
-    def flat(self) -> bool:
-        """Whether every world is one cell high, or lies in the plane."""
-        worlds = [item.scenario.world for item in self]
-        return all(isinstance(world, DiscWorld) or world.shape[2] == 1 for world in worlds)
-
-    @property
-    def rules(self) -> tuple[str, ...]:
-        """The rules that plan them; all of ants, or all of bees."""
-        return tuple(dict.fromkeys(item.rules for item in self))
-
-    @property
-    def digest(self) -> str:
-        """Hash of every scenario, effort and rule in order, 64 hex digits."""
-        return digest_of(self)
-
-
 Items = Suite | OwnSuite
 
 
@@ -183,8 +136,6 @@ def load_suite(name: str, split: str) -> Items:
     """
     folder = Path(name)
     if name not in SUITES and folder.is_dir():
-        from antgym.maps.folders import load_folder
-
         return load_folder(folder, split)
     if len(folder.parts) > 1:
         raise ParameterError(f"suite = {name!r}: no such folder (looked in {Path.cwd()})")

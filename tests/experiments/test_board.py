@@ -11,7 +11,8 @@ from rich.console import Console
 from antgym.errors import AntgymError
 from antgym.maps.suites import load_suite
 from experiments import contest, steering
-from experiments.board import EXACT, SBS, VBS, to_markdown, to_table
+from experiments.board import EXACT, SBS, VBS
+from experiments.board_table import to_markdown, to_table
 from experiments.budgets import budgets_to_markdown, by_budget
 from experiments.columns import COLUMNS, percent
 

@@ -1,10 +1,9 @@
-"""Voxels: the .3dmap and .3dscen files of the Warframe benchmark (hog2, VoxelGrid.cpp), gzipped or not.
+"""Voxels: the .3dmap files of the Warframe benchmark (hog2, VoxelGrid.cpp), gzipped or not.
 
 ``voxel X Y Z``, then a line ``x y z`` for every blocked voxel, counted from 0. Moves lead to the 26 neighbours, where
 every cell of the box that they span is free.
 """
 
-from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -12,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.errors import MapError
-from antgym.maps.formats.files import Line, is_file, lines, real, require_cells, whole
-from antgym.maps.formats.movingai import MOST_ROWS, UNIT, Row, Rows, beside, in_cells, require_square
+from antgym.maps.formats.files import Line, lines, require_cells, whole
+from antgym.maps.formats.movingai import UNIT, require_square
 from antgym.maps.map import Frame, Map
 from antgym.maps.motion import Motion
-from antgym.maps.world import GridWorld, Scenario
+from antgym.maps.world import GridWorld
 
 _CHUNK = 100_000  # lines that are parsed at a time
 
@@ -70,57 +69,4 @@ def voxel_bytes(world: GridWorld) -> bytes:
     require_square(world, flat=False)
     rows = [f"voxel {' '.join(map(str, world.shape))}"]
     rows += [f"{x} {y} {z}" for x, y, z in np.argwhere(world.free == 0).tolist()]
-    return ("\n".join(rows) + "\n").encode()
-
-
-def read_voxel_rows(path: Path, map_path: Path | None = None) -> Rows:
-    """Read a .3dscen file; its map, or the same gzipped, lies beside it.
-
-    Raises:
-        MapError: if the file is missing or a row is not start, goal, length and ratio; it names the line.
-    """
-    rows = lines(path)
-    name = _map_name(rows, path)
-    found: list[Row] = []
-    for at, line in rows:
-        words = line.split()
-        if not words:
-            continue
-        place = f"{path}:{at}"
-        if len(words) != 8:
-            raise MapError(f"{place}: {len(words)} fields; a .3dscen row is sx sy sz gx gy gz length ratio")
-        if len(found) == MOST_ROWS:
-            raise MapError(f"{place}: more than {MOST_ROWS:,} rows")
-        x, y, z, to_x, to_y, to_z = (whole(word, place) for word in words[:6])
-        found.append(Row((x, y, z), (to_x, to_y, to_z), real(words[6], place), None, None, at))
-    if not found:
-        raise MapError(f"{path}: no rows")
-    named = beside(path, name)
-    packed = named.with_name(named.name + ".gz")
-    return Rows(path, map_path or (packed if is_file(packed) else named), found)
-
-
-def _map_name(rows: Iterator[Line], path: Path) -> str:
-    at, version = next(rows, (1, ""))
-    if version.split() not in (["version", "1"], ["version", "1.0"]):
-        raise MapError(f"{path}:{at}: {version[:40]!r}; a .3dscen begins with: version 1")
-    at, name = next(rows, (2, ""))
-    if not name.strip():
-        raise MapError(f"{path}:{at}: the name of the map is missing")
-    return name.strip()
-
-
-def voxel_scen_bytes(scenarios: Sequence[Scenario], map_name: str) -> bytes:
-    """Return scenarios in one world as a .3dscen file, each with its exact optimum under 26 neighbours, in cells.
-
-    Raises:
-        ScenarioError: if no path leads from a start to its goal.
-    """
-    rows = ["version 1", map_name]
-    for scenario in scenarios:
-        length = in_cells(scenario, Motion("grid26"))
-        near, mid, far = sorted(abs(g - s) for s, g in zip(scenario.start, scenario.goal, strict=True))
-        octile = near * 3**0.5 + (mid - near) * 2**0.5 + (far - mid)
-        ends = " ".join(map(str, (*scenario.start, *scenario.goal)))
-        rows.append(f"{ends} {length:.8f} {length / octile:.3f}")
     return ("\n".join(rows) + "\n").encode()

@@ -1,4 +1,4 @@
-"""Voxel maps and their scenario files: read, written, refused by line."""
+"""Voxel maps: read, written, refused by line."""
 
 import gzip
 
@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from antgym.errors import MapError
 from antgym.maps.formats import voxels
-from antgym.maps.formats.voxels import read_voxel_rows, read_voxels, voxel_bytes, voxel_scen_bytes
-from antgym.maps.motion import Motion
-from antgym.maps.world import GridWorld, Scenario
+from antgym.maps.formats.voxels import read_voxels, voxel_bytes
+from antgym.maps.world import GridWorld
 
 UNIT = (1.0, 1.0, 1.0)
 
@@ -66,32 +65,6 @@ def test_what_is_written_is_read_as_an_equal_world(tmp_path_factory, seed, shape
     path.write_bytes(voxel_bytes(world))
     again = read_voxels(path).world
     assert (again.shape, again.bits.tolist()) == (world.shape, world.bits.tolist())
-
-
-def test_rows_are_written_and_read(tmp_path):
-    world = GridWorld(np.ones((4, 5, 6)), UNIT)
-    scenario = Scenario(world, (0, 0, 0), (3, 4, 5), Motion("grid26"))
-    (tmp_path / "w.3dmap.gz").write_bytes(gzip.compress(voxel_bytes(world)))
-    (tmp_path / "w.3dmap.3dscen").write_bytes(voxel_scen_bytes([scenario], "w.3dmap"))
-    rows = read_voxel_rows(tmp_path / "w.3dmap.3dscen")
-    assert rows[0].length == pytest.approx(scenario.optimum)
-    assert rows.scenario(0).digest == scenario.digest
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("version 2\n", r":1: 'version 2'; a \.3dscen begins with: version 1"),
-        ("version 1\n\n", r":2: the name of the map is missing"),
-        ("version 1\na.3dmap\n", r"no rows"),
-        ("version 1\na.3dmap\n0 0 0 1 1 1 1.7\n", r":3: 7 fields"),
-        ("version 1\na.3dmap\n0 0 0 1 1 1 inf 1\n", r":3: 'inf' is not a number"),
-    ],
-)
-def test_bad_rows_are_refused_by_line(tmp_path, text, message):
-    (tmp_path / "a.3dscen").write_text(text)
-    with pytest.raises(MapError, match=message):
-        read_voxel_rows(tmp_path / "a.3dscen")
 
 
 def test_an_archive_of_empty_lines_does_not_hang(tmp_path):
