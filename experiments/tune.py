@@ -41,7 +41,7 @@ PROG = "python -m experiments.tune"
 class Arguments(MapFile):
     """Tune the swarm's parameters on a map of your own: any file that antgym plan takes.
 
-    That is a map with --start and --goal, or under rules of bees (--rules wu2018) a scene of discs, which holds its own.
+    That is a map with --start and --goal or, under rules of bees (--rules wu2018), a scene of discs with its own.
     An agent may run the planner --budget times on the map, then says which parameters to use. They are judged on
     --fresh further runs, and the best of these is the path that is written. With --budget 0 an agent answers from what
     it has learnt elsewhere. Agents that learn from train maps need --artefacts, the folder of their files.
@@ -149,8 +149,8 @@ def take_on(agent: Agent, problem: TuningProblem, arguments: Arguments, seed: in
         if not are_bees(problem.rules):
             raise
         raise ParameterError(
-            f"--agent {arguments.agent} on {arguments.file}, --rules {problem.rules}: {error}; give one that learnt under "
-            "such rules, or one that learns on the map itself, as optuna_tpe"
+            f"--agent {arguments.agent} on {arguments.file}, --rules {problem.rules}: {error}; give one that learnt "
+            "under such rules, or one that learns on the map itself, as optuna_tpe"
         ) from None
 
 
