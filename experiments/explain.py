@@ -193,10 +193,8 @@ def _remarks(found: Explanation, agent: str) -> list[str]:
     still = not found.moved.any()
     if not found.tries:
         return ["No feature moves it: the agent recommends the same on every map."] if still else []
-    answer = "this is its answer without any, from which it starts"
-    return [
-        f"{agent} chooses by trials; {answer}{', the same on every map: no feature moves it' if still else ''}."
-    ]
+    more = ": the same on every map, for no feature moves it" if still else ""
+    return [f"{agent} chooses by trials; this is its answer without any, from which it starts{more}."]
 
 
 def _most(found: Explanation) -> list[int]:

@@ -108,7 +108,7 @@ def test_an_agent_that_chooses_by_trials_is_explained_as_it_starts_and_that_is_s
     asked = Arguments("random_search", suite="mountain-v0", donors=2, out=tmp_path)
     (file,) = explain.run(asked)
     assert "random_search chooses by trials; this is its answer without any" in file.read_text()
-    assert "the same on every map: no feature moves it." in file.read_text()
+    assert "from which it starts: the same on every map, for no feature moves it." in file.read_text()
 
 
 def test_a_published_policy_is_explained_by_its_file(tmp_path):
