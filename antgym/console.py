@@ -15,6 +15,7 @@ BROKEN_PIPE = 141
 PATIENCE = 2.0  # seconds that a script may work without a bar
 RESUMES = "interrupted; the same command goes on where this one stopped"
 _BOX = "╭╮╰╯│─"
+_NUMBERS = 28  # columns of a terminal that a bar and its numbers need beside their title
 
 
 class Advance(Protocol):
@@ -36,9 +37,19 @@ def progress(title: str, total: int | None, after: float = 0.0) -> Iterator[Adva
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.table import Column
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    bar, begun, shown = Progress(*columns, console=Console(stderr=True)), time.monotonic(), False
+    console = Console(stderr=True)
+    # where there is no room for all, the bar is shorter, and then the title, but no number
+    words = Column(no_wrap=True, overflow="ellipsis", max_width=max(console.width - _NUMBERS, 1))
+    counted, left = Column(no_wrap=True), Column(no_wrap=True)
+    columns = (
+        TextColumn("{task.description}", table_column=words),
+        BarColumn(),
+        MofNCompleteColumn(table_column=counted),
+        TimeRemainingColumn(table_column=left),
+    )
+    bar, begun, shown = Progress(*columns, console=console), time.monotonic(), False
     task = bar.add_task(title, total=total)
 
     def advance(steps: int, title: str | None = None) -> None:

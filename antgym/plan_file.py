@@ -123,7 +123,7 @@ def require_matplotlib() -> None:
         raise MissingExtraError("matplotlib", "viz")
 
 
-def require_left_out(command: "PlanFile", options: Iterable[str], reason: str) -> None:
+def require_left_out(command: "MapFile", options: Iterable[str], reason: str) -> None:
     """Raise ParameterError where one of these options was given, which would have no effect."""
     for field in fields(command):
         if field.name in options and getattr(command, field.name) != field.default:

@@ -3,6 +3,7 @@
 import io
 import json
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +22,7 @@ from antgym.planners.planning import plan
 from antgym.planners.plans import Plan
 
 if TYPE_CHECKING:
-    from antgym.commands import PlanFile
+    from antgym.commands import MapFile, PlanFile
 
 GRID = (
     *(
@@ -77,23 +78,35 @@ def plan_scene(command: "PlanFile") -> int:
         require_matplotlib()
     flown = find(command)
     print(report(flown))
-    for path, data in files(flown, command.out).items() if command.out is not None else ():
+    if command.out is not None:
+        write(flown, command.out)
+    return 0 if flown.plan.solved else 1
+
+
+def write(flown: Flown, stem: Path, more: Mapping[str, Any] | None = None) -> None:
+    """Write the files of what was found, each whole or not at all, and say so; ``more`` joins the JSON."""
+    for path, data in files(flown, stem, more).items():
         write_whole(path, data)
         print(f"wrote    {path}")
-    return 0 if flown.plan.solved else 1
+
+
+def read(command: "MapFile") -> DiscScenario:
+    """Read the scene of a command under rules of bees; ParameterError where it gives options of grids."""
+    require_left_out(
+        command, GRID, f"rules {command.rules!r} are of bees, and a scene holds its own start and goal"
+    )
+    scenario = read_discs(command.file)
+    _ = scenario.optimum  # where no path exists, no bee need try
+    return scenario
 
 
 def find(command: "PlanFile") -> Flown:
     """Read the scene and plan."""
     assert command.rules is not None  # they are what leads here
     rules = find_bee_rules(command.rules)
-    require_left_out(
-        command, GRID, f"rules {command.rules!r} are of bees, and a scene holds its own start and goal"
-    )
     if not rules.tabu:
         require_left_out(command, ("tabu_radius",), f"rules {command.rules!r} have no tabu list")
-    scenario = read_discs(command.file)
-    _ = scenario.optimum  # where no path exists, no bee need try
+    scenario = read(command)
     space = rules.space(command.ants, scenario.world.width)
     given = zip(space.names, space.default.tolist(), strict=True)
     setting = {
@@ -131,15 +144,16 @@ def report(flown: Flown) -> str:
     return "\n".join([*lines[:3], f"gap      {flown.gap:.2%}", *lines[3:]])
 
 
-def files(flown: Flown, stem: Path) -> dict[Path, bytes]:
+def files(flown: Flown, stem: Path, more: Mapping[str, Any] | None = None) -> dict[Path, bytes]:
     """Return what is written, by path: the way as CSV and JSON and, where asked for, a picture.
 
     A path that touches a disc is no way: it is drawn, and not written as points.
     """
     points = flown.plan.path.tolist() if flown.plan.solved else []
+    record = {**_record(flown), "points": points, **(more or {})}
     written = {
         beside(stem, ".csv"): "\n".join(("x,y", *(f"{x!r},{y!r}" for x, y in points), "")).encode(),
-        beside(stem, ".json"): (json.dumps({**_record(flown), "points": points}, indent=2) + "\n").encode(),
+        beside(stem, ".json"): (json.dumps(record, indent=2) + "\n").encode(),
     }
     if flown.command.picture:
         written[beside(stem, ".png")] = picture(flown)

@@ -33,6 +33,7 @@ from experiments.tune import find_agent
 Floats = NDArray[np.float64]
 FACTORS = (1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8)  # of the effort
 SHOWN = 12  # features in table and picture
+TRIALS = 20  # with which an agent is asked whether it would try a setting
 
 
 def explained(rules: str) -> tuple[Feature, ...]:
@@ -72,7 +73,9 @@ class Explanation(NamedTuple):
         here: (features,) values on the map.
         spans: (features, 2) 10 and 90 % quantiles of the donors' values.
         moved: (features,) mean distance in the unit cube by which the donors' values move the setting.
-        trends: (features, d) mean setting under the upper half of the donors' values minus that under the lower.
+        trends: (features, d) mean setting under the upper half of the donors' values minus that under the lower;
+            where most of them are the largest, under these minus under the others; nan where all are the same.
+        tries: whether the agent would try settings if it could pay for trials, so that this is where it starts.
         efforts: of ants and of iterations: (how many, the setting's natural values, the setting), a row a factor.
     """
 
@@ -84,6 +87,7 @@ class Explanation(NamedTuple):
     spans: Floats
     moved: Floats
     trends: Floats
+    tries: bool
     efforts: dict[str, list[tuple[int, Floats, Floats]]]
 
 
@@ -110,14 +114,26 @@ def explain(
             changed[column] = values[i]
             choices[i] = _choice(agent, replace(task, features=changed))
         moved[row] = np.linalg.norm(choices - unit, axis=1).mean()
-        middle = np.median(values)
-        if (values > middle).any():
-            trends[row] = choices[values > middle].mean(axis=0) - choices[values <= middle].mean(axis=0)
+        trends[row] = _trend(values, choices)
         advance(1)
     here, spans = task.features[columns].astype(float), np.quantile(donors[:, columns], (0.1, 0.9), axis=0).T
-    return Explanation(
-        item, task.space.names, unit, features, here, spans, moved, trends, _efforts(agent, item)
-    )
+    efforts = _efforts(agent, item)
+    tries = _tries(agent, item)
+    return Explanation(item, task.space.names, unit, features, here, spans, moved, trends, tries, efforts)
+
+
+def _trend(values: Floats, choices: Floats) -> Floats:
+    """Return the (d,) mean of the choices under the upper half of (n,) values minus that under the lower."""
+    middle = np.median(values)
+    upper = values > middle if (values > middle).any() else values >= middle
+    if upper.all():
+        return np.full(choices.shape[1], np.nan)
+    return np.asarray(choices[upper].mean(axis=0) - choices[~upper].mean(axis=0))
+
+
+def _tries(agent: Agent, item: SuiteItem) -> bool:
+    agent.reset(_task(item, TRIALS), seed=0)
+    return len(agent.ask()) > 0
 
 
 def _efforts(agent: Agent, item: SuiteItem) -> dict[str, list[tuple[int, Floats, Floats]]]:
@@ -134,8 +150,8 @@ def _efforts(agent: Agent, item: SuiteItem) -> dict[str, list[tuple[int, Floats,
     return found
 
 
-def _task(item: SuiteItem) -> Task:
-    return TuningProblem(item.scenario, item.rules, item.ants, item.iterations).task(0)
+def _task(item: SuiteItem, budget: int = 0) -> Task:
+    return TuningProblem(item.scenario, item.rules, item.ants, item.iterations).task(budget)
 
 
 def _choice(agent: Agent, task: Task) -> Floats:
@@ -155,22 +171,30 @@ def to_markdown(found: Explanation, agent: str) -> str:
         f"Rules {item.rules}, {item.ants} {swarm}, {item.iterations} {rounds}: {setting}.",
         "",
         "How far a feature moves the setting in the unit cube when it takes its values on train maps, and by how much",
-        "each parameter is higher under the upper half of these values than under the lower.",
+        "each parameter is higher under the upper half of these values than under the lower; – where all are the same.",
         "",
         f"| feature | here | train, 10 to 90 % | moves by | {' | '.join(names)} |",
         "|:--|--:|--:|--:|" + "--:|" * len(names),
     ]
     for row in _most(found):
         low, high = found.spans[row]
-        trends = " | ".join(f"{value:+.3f}" for value in found.trends[row])
+        trends = " | ".join("–" if np.isnan(value) else f"{value:+.3f}" for value in found.trends[row])
         cells = f"{found.here[row]:.2f} | {low:.2f} to {high:.2f} | {found.moved[row]:.3f} | {trends}"
         lines.append(f"| {found.features[row].name} | {cells} |")
-    if not found.moved.any():
-        lines += ["", "No feature moves it: the agent recommends the same on every map."]
+    lines += [line for remark in _remarks(found, agent) for line in ("", remark)]
     for name, rows in found.efforts.items():
         lines += ["", f"| {name} | {' | '.join(names)} |", "|--:|" + "--:|" * len(names)]
         lines += [f"| {n:,} | {' | '.join(f'{v:.4g}' for v in values)} |" for n, values, _ in rows]
     return "\n".join(lines) + "\n"
+
+
+def _remarks(found: Explanation, agent: str) -> list[str]:
+    """Return what must be said of an agent that looks at nothing, or that begins to choose with its first trial."""
+    still = not found.moved.any()
+    if not found.tries:
+        return ["No feature moves it: the agent recommends the same on every map."] if still else []
+    more = ": the same on every map, for no feature moves it" if still else ""
+    return [f"{agent} chooses by trials; this is its answer without any, from which it starts{more}."]
 
 
 def _most(found: Explanation) -> list[int]:
@@ -185,15 +209,24 @@ def picture(found: Explanation, agent: str) -> bytes:
         raise MissingExtraError("matplotlib", "viz") from None
     figure = Figure(figsize=(15, 5), layout="constrained")
     bars, *panels = figure.subplots(1, 3, width_ratios=(5, 4, 4))
-    most = _most(found)[::-1]
-    bars.barh([found.features[row].name for row in most], found.moved[most], color="#4c72b0")
-    bars.set_xlabel("how far it moves the setting, in the unit cube")
+    _draw_features(bars, found)
     for axis, (name, rows) in zip(panels, found.efforts.items(), strict=True):
         _draw_effort(axis, name, rows, found)
-    figure.suptitle(f"{agent} on {found.item.name}, rules {found.item.rules}")
+    without = ", without a trial" if found.tries else ""
+    figure.suptitle(f"{agent} on {found.item.name}, rules {found.item.rules}{without}")
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110)
     return buffer.getvalue()
+
+
+def _draw_features(axis: Any, found: Explanation) -> None:
+    most = _most(found)[::-1]
+    if not most:  # axes around nothing would say that there is something
+        axis.set_axis_off()
+        axis.text(0.5, 0.5, "no feature moves it", ha="center", va="center")
+        return
+    axis.barh([found.features[row].name for row in most], found.moved[most], color="#4c72b0")
+    axis.set_xlabel("how far it moves the setting, in the unit cube")
 
 
 def _draw_effort(

@@ -186,7 +186,7 @@ def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
         kept.keep(model, _judged(model, kept.standing, validation))
     unit = _unit(model, learner.steps_an_episode)
     units = steps // unit if table else max(1, steps // unit)
-    title = f"{arguments.algorithm} on {arguments.env}"
+    title = f"{arguments.algorithm} on {arguments.env.removeprefix('antgym/')}"
     with progress(title, charged + round(units * unit * learner.runs_a_step)) as advance:
         advance(kept.standing.evaluations, _titled(title, kept.standing))
         for leg in range(kept.standing.leg, LEGS):
@@ -277,7 +277,7 @@ def _unit(model: Any, episode: int) -> int:
 def _titled(title: str, standing: Standing) -> str:
     if not standing.history:
         return title
-    return f"{title}: validation gap {standing.history[-1][1]:.3f}, at best {standing.lowest:.3f}"
+    return f"{title}: gap {standing.history[-1][1]:.3f}, best {standing.lowest:.3f}"
 
 
 def script() -> None:

@@ -260,6 +260,8 @@ def _figure(arguments: Arguments, outcomes: dict[Key, Outcome]) -> Any:
         gaps = [100 * outcomes[budget, name].means.mean() for budget in arguments.budgets]
         axes.plot(arguments.budgets, gaps, marker="o", label=name)
     axes.set(xlabel="trials on the target", ylabel="mean gap %", xscale="symlog", ylim=(0, None))
+    axes.set_xticks(arguments.budgets, labels=[str(budget) for budget in arguments.budgets])
+    axes.minorticks_off()
     axes.legend(fontsize=7, ncols=2)
     return figure
 

@@ -1,8 +1,9 @@
-"""Tune the colony on one map of your own, with any agent of the catalogue.
+"""Tune the swarm on one map of your own, with any agent of the catalogue.
 
     python -m experiments.tune docs/hills.asc --start 0 10 2 --goal 20 10 2 --agent optuna_tpe --budget 40
 
-prints parameters, expected gap and seed, and writes the path as ``antgym plan`` does. Every trial is on disk before the
+prints parameters, expected gap and seed, and writes the path as ``antgym plan`` does. Rules of bees tune on a scene of
+discs: ``docs/discs.json --rules wu2018 --ants 40 --iterations 1000``. Every trial is on disk before the
 next batch is asked for; a run that was stopped, or killed, goes on where it was when the same command is given again.
 """
 
@@ -18,13 +19,14 @@ from numpy.typing import NDArray
 
 import agents
 import antgym
-from antgym import plan_file
+from antgym import plan_file, plan_scene
 from antgym.commands import MapFile, PlanFile
 from antgym.console import PATIENCE, main, parse, progress
 from antgym.errors import BudgetError, LedgerError, ParameterError
 from antgym.kernels import sources_hash
-from antgym.planners.colony import plan_many
-from antgym.tuning.agent import Agent, tune
+from antgym.maps.world import Scenario
+from antgym.planners.planning import are_bees, plan_many
+from antgym.tuning.agent import Agent, Result, tune
 from antgym.tuning.ledger import Ledger
 from antgym.tuning.problem import FRESH, TuningProblem
 from experiments.artefacts import TRAINED, derived_seed, trained_argument
@@ -37,8 +39,9 @@ PROG = "python -m experiments.tune"
 
 @dataclass(frozen=True)
 class Arguments(MapFile):
-    """Tune the colony's parameters on a map of your own: any file that antgym plan takes.
+    """Tune the swarm's parameters on a map of your own: any file that antgym plan takes.
 
+    That is a map with --start and --goal or, under rules of bees (--rules wu2018), a scene of discs with its own.
     An agent may run the planner --budget times on the map, then says which parameters to use. They are judged on
     --fresh further runs, and the best of these is the path that is written. With --budget 0 an agent answers from what
     it has learnt elsewhere. Agents that learn from train maps need --artefacts, the folder of their files.
@@ -51,9 +54,9 @@ class Arguments(MapFile):
     artefacts: Path | None = None
     """Folder of trained agents' files: made by experiments.artefacts, or trained/ of a leaderboard."""
     ants: int = 20
-    """Ants per iteration of every run; no agent can buy more."""
+    """Ants per iteration of every run, or bees; no agent can buy more. Bees fly well as 40 for 1,000 cycles."""
     iterations: int = 100
-    """Iterations of every run."""
+    """Iterations of every run, or cycles."""
     fresh: int = 16
     """Runs that judge the parameters afterwards, at least one; not charged to the budget."""
     seed: int = 0
@@ -73,18 +76,28 @@ def run(arguments: Arguments) -> int:
     if arguments.picture:
         plan_file.require_matplotlib()
     agent = find_agent(arguments.agent, arguments.artefacts)
-    question = plan_file.read(arguments)
-    seed = derived_seed("tune", question.scenario.digest, arguments.seed)
-    problem = TuningProblem(question.scenario, question.rules, arguments.ants, arguments.iterations, seed)
+    scenario, rules = asked(arguments)
+    seed = derived_seed("tune", scenario.digest, arguments.seed)
+    problem = TuningProblem(scenario, rules, arguments.ants, arguments.iterations, seed)
     stem = arguments.out or default_out(arguments)
-    unit = search(agent, problem, arguments, stem)
-    command, gaps = judge(problem, unit, arguments)
-    found = plan_file.find(command)
-    print(summary(arguments, gaps))
-    print(plan_file.report(found))
-    tuning = {"agent": arguments.agent, "budget": arguments.budget, "root_seed": arguments.seed}
-    plan_file.write(found, stem, {"tuning": {**tuning, "unit": unit.tolist(), "fresh_gaps": gaps}})
+    result = search(agent, problem, arguments, stem)
+    command, gaps = judge(problem, result.recommendation, arguments)
+    face: Any = plan_scene if are_bees(rules) else plan_file
+    found = face.find(command)
+    print(summary(arguments, len(result.trials), gaps))
+    print(face.report(found))
+    tuning = {"agent": arguments.agent, "budget": arguments.budget, "trials": len(result.trials)}
+    tuning |= {"root_seed": arguments.seed, "unit": result.recommendation.tolist(), "fresh_gaps": gaps}
+    face.write(found, stem, {"tuning": tuning})
     return 0 if found.plan.solved else 1
+
+
+def asked(arguments: Arguments) -> tuple[Scenario[Any, Any], str]:
+    """Return the scenario that is asked for, and the name of the rules that plan it."""
+    if arguments.rules is not None and are_bees(arguments.rules):
+        return plan_scene.read(arguments), arguments.rules
+    question = plan_file.read(arguments)
+    return question.scenario, question.rules
 
 
 def default_out(arguments: Arguments) -> Path:
@@ -113,18 +126,32 @@ def find_agent(name: str, folder: Path | None) -> Agent:
     return agents.make(name, **argument)
 
 
-def search(agent: Agent, problem: TuningProblem, arguments: Arguments, stem: Path) -> Floats:
-    """Return the (d,) setting that the agent recommends after its trials, which a ledger beside the stem keeps."""
+def search(agent: Agent, problem: TuningProblem, arguments: Arguments, stem: Path) -> Result:
+    """Return what an agent recommends after its trials, and these, which a ledger beside the stem keeps."""
     seed = derived_seed("tune", arguments.agent, problem.seed)
+    if arguments.budget == 0 or agents.find_card(arguments.agent).trained:
+        take_on(agent, problem, arguments, seed)
     if arguments.budget == 0:
-        agent.reset(problem.task(0), seed=seed)
-        return problem.space.check(agent.recommend())[0]
+        return Result(problem.space.check(agent.recommend())[0], ())
     with _ledger(problem, arguments, stem) as ledger:
         kept = ledger.run("tune")
         title = f"{arguments.agent} on {arguments.file.name}"
         with progress(title, arguments.budget, after=PATIENCE) as advance:
             session = WatchedSession(problem, arguments.budget, advance, kept, PART)
-            return tune(agent, session, seed=seed).recommendation
+            return tune(agent, session, seed=seed)
+
+
+def take_on(agent: Agent, problem: TuningProblem, arguments: Arguments, seed: int) -> None:
+    """Let an agent look at the task before anything is written: what learnt of ants cannot tune bees."""
+    try:
+        agent.reset(problem.task(arguments.budget), seed=seed)
+    except ParameterError as error:
+        if not are_bees(problem.rules):
+            raise
+        raise ParameterError(
+            f"--agent {arguments.agent} on {arguments.file}, --rules {problem.rules}: {error}; give one that learnt "
+            "under such rules, or one that learns on the map itself, as optuna_tpe"
+        ) from None
 
 
 def _ledger(problem: TuningProblem, arguments: Arguments, stem: Path) -> Ledger:
@@ -147,7 +174,7 @@ def judge(problem: TuningProblem, unit: Floats, arguments: Arguments) -> tuple[P
         for first in range(0, len(seeds), PART):
             part = [int(seed) for seed in seeds[first : first + PART]]
             effort = {"ants": problem.ants, "iterations": problem.iterations}
-            scenarios: list[Any] = [problem.scenario] * len(part)  # of one robot
+            scenarios: list[Any] = [problem.scenario] * len(part)  # of one robot, or among discs
             settings = [values] * len(part)
             runs = plan_many(scenarios, settings, rules=problem.rules, **effort, seeds=part)
             lengths += runs.lengths.tolist()
@@ -160,14 +187,15 @@ def judge(problem: TuningProblem, unit: Floats, arguments: Arguments) -> tuple[P
     return command, problem.gap(np.array(lengths)).tolist()
 
 
-def summary(arguments: Arguments, gaps: list[float]) -> str:
-    """Return what there is to say of the setting before its best run is shown."""
+def summary(arguments: Arguments, trials: int, gaps: list[float]) -> str:
+    """Return what there is to say of the setting, and of the trials it took, before its best run is shown."""
     solved = sum(gap < 1 for gap in gaps)
+    spent = str(trials) if trials == arguments.budget else f"{trials} of {arguments.budget}"
     expected = (
         f"{np.mean(gaps):.2%} on average over {len(gaps)} fresh runs, {min(gaps):.2%} to {max(gaps):.2%}"
     )
     return (
-        f"agent    {arguments.agent}, {arguments.budget} trials, seed {arguments.seed}\n"
+        f"agent    {arguments.agent}, {spent} trials, seed {arguments.seed}\n"
         f"expected {expected}; {solved} of {len(gaps)} below twice the optimum\n"
         "below    the best of them, as antgym plan finds it with this setting"
     )

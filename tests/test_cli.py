@@ -83,6 +83,20 @@ def test_what_is_wrong_is_said_even_where_nobody_reads_the_output(monkeypatch, c
     assert capsys.readouterr().err == "error: no such map\n"
 
 
+@pytest.mark.parametrize(
+    "title", ["PPO", "PPO on OpenOneShot-v0: gap 0.281, best 0.281, and more than fits there"]
+)
+def test_a_bar_s_numbers_are_whole_on_a_narrow_terminal(title, monkeypatch, capsys):
+    for name, value in {"COLUMNS": "80", "TTY_COMPATIBLE": "1", "TERM": "xterm", "NO_COLOR": "1"}.items():
+        monkeypatch.setenv(name, value)
+    with console.progress(title, 100_000) as advance:
+        advance(640)
+    said = capsys.readouterr().err
+    for whole in ("   640/100000", "-:--:--", title[:50]):
+        assert whole in said
+    assert ("…" in said) == (len(title) > 52)
+
+
 def test_help_imports_nothing_heavy():
     script = (
         "import sys\nfrom antgym.cli import main\ntry:\n    main(['plan', '--help'])\n"

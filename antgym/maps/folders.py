@@ -59,6 +59,11 @@ def _load(path: Path, split: str, splits: tuple[str, ...], files: tuple[tuple[Pa
     rows = [read_scenarios(file) for file in here if file.suffix.lower() in SCENARIOS]
     maps = _maps(here, rows)
     if not maps:
+        if folder == path and splits:
+            raise MapError(
+                f"{path} has no train split: its maps are all in {', '.join(f'{name}/' for name in splits)}, and "
+                f"agents learn from others; put some into {path / 'train'}"
+            )
         raise MapError(f"{folder} holds no map; it needs files that end in {', '.join(KINDS)}")
     settings.require_matches([file.name for file, _ in files if suffix_of(file) in KINDS])
     if settings.shares:

@@ -13,6 +13,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+from agents import CATALOGUE
 from antgym.console import progress, write_whole
 from antgym.errors import AntgymError, MissingExtraError
 from antgym.tuning.kept import KeptRun, read_runs
@@ -152,6 +153,18 @@ def _first(boards: Sequence[Board]) -> Board:
     return max((board for board in boards if board.track == boards[0].track), key=lambda board: board.budget)
 
 
+def _shown(boards: Sequence[Board], looks: dict[str, Hue]) -> list[int]:
+    """Return the numbers of the names whose curves a track's reader sees first.
+
+    They are those ahead on its first board and, in C, whoever steers, for whom there is that track.
+    """
+    first = _first(boards)
+    ranked = [row.name for row in first.ranked if row.kind == "agent"]
+    steering = [name for name in ranked if first.track == "C" and name.partition(":")[0] not in CATALOGUE]
+    names = {SBS, VBS, *ranked[:AT_FIRST], *steering}
+    return [hue.number for name, hue in looks.items() if name in names]
+
+
 def _named(boards: Sequence[Board]) -> list[str]:
     """Return the names of all rows: agents first, by rank on the first board that has them."""
     rows = [row for board in (_first(boards), *boards) for row in board.ranked]
@@ -227,20 +240,11 @@ def _site(boards: Sequence[Board], looks: dict[str, Hue]) -> dict[str, Any]:
         track: [board for board in boards if board.track == track]
         for track in dict.fromkeys(board.track for board in boards)
     }
-    first = _first(boards)
-    shown = [SBS, VBS, *[row.name for row in first.ranked if row.kind == "agent"][:AT_FIRST]]
     return {
-        "first": board_id(first),
+        "first": board_id(_first(boards)),
         "legend": [looks[name].number for name in _named(boards) if name != EXACT],
-        "agents": [
-            {
-                "name": name,
-                "colour": hue.colour,
-                "dash": hue.dash,
-                "shown": name in shown,
-            }
-            for name, hue in looks.items()
-        ],
+        "agents": [{"name": name, "colour": hue.colour, "dash": hue.dash} for name, hue in looks.items()],
+        "shown": {track: _shown(played, looks) for track, played in tracks.items()},
         "boards": {
             board_id(board): {
                 "label": board_label(board),

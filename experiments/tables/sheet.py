@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ from rich.markdown import Markdown
 
 from antgym.console import write_whole
 from antgym.errors import MissingExtraError
+
+PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+)\)")
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -39,5 +42,10 @@ def publish(folder: Path, paper: str, text: str, numbers: dict[str, Any], figure
     write_whole(path, text.encode())
     write_whole(folder / f"{paper}.json", (json.dumps(numbers, indent=1) + "\n").encode())
     write_whole(folder / f"{paper}.png", picture.getvalue())
-    Console(width=max(180, Console().width)).print(Markdown(text))
+    Console(width=max(180, Console().width)).print(Markdown(_with_paths(text, folder)))
     return path
+
+
+def _with_paths(text: str, folder: Path) -> str:
+    """Return Markdown that says where its pictures are: a terminal cannot show them."""
+    return PICTURE.sub(lambda picture: f"`{folder / picture[1]}`", text)

@@ -47,7 +47,7 @@ def measured(tmp_path):
     return tmp_path
 
 
-def test_a_report_holds_the_trained_agents_and_what_each_is_worth(measured):
+def test_a_report_holds_the_trained_agents_and_what_each_is_worth(measured, capsys):
     found = standings(Arguments(measured, measured))
     assert [(s.agent, s.trials, s.gap, s.training) for s in found] == [
         ("best_static_by_rules", 0, pytest.approx(0.4), 250)
@@ -56,6 +56,9 @@ def test_a_report_holds_the_trained_agents_and_what_each_is_worth(measured):
     text = report(Arguments(measured, measured)).read_text()
     assert f"| `best_static_by_rules` | 0 | 40.0 | 250 | {found[0].worth:.1f} |" in text
     assert (measured / "amortisation.png").stat().st_size > 1000
+    said = capsys.readouterr().out
+    assert str(measured / "amortisation.png") in said
+    assert "\N{CITYSCAPE AT DUSK}" not in said  # what rich shows of a picture
 
 
 @pytest.mark.parametrize(

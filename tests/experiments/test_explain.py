@@ -40,6 +40,25 @@ def test_the_feature_that_is_looked_at_moves_the_choice_and_no_other(donors):
     assert "| blocked |" in explain.to_markdown(found, "looker")
 
 
+@pytest.mark.parametrize(
+    ("values", "trend"),
+    [((0, 0.5, 1, 1, 1, 1), 0.75), ((0, 0, 0, 0, 1, 1), 1.0), ((0.1, 0.1, 0.2, 0.2, 0.3, 0.3), 0.15)],
+)
+def test_values_that_most_donors_share_still_have_those_above_and_below(donors, values, trend):
+    """By hand; of the first, more than half hold the largest value, so that none is above the median."""
+    donors[:, BLOCKED] = values
+    found = explain.explain(Looker(), ITEM, donors)
+    assert found.trends[NAMES.index("blocked")] == pytest.approx([0.0, trend, 0.0, 0.0])
+
+
+def test_where_all_donors_are_the_same_there_is_no_trend(donors):
+    donors[:, BLOCKED] = 0.9
+    found = explain.explain(Looker(), ITEM, donors)
+    assert found.moved[NAMES.index("blocked")] > 0
+    row = next(line for line in explain.to_markdown(found, "looker").splitlines() if "| blocked |" in line)
+    assert row.endswith("| – | – | – | – |")
+
+
 def test_past_discs_it_is_the_features_of_discs_that_move_the_choice():
     class Wary(ZeroShot):
         """Raises the limit with the discs, and ξ_max with the bees."""
@@ -73,7 +92,23 @@ def test_an_agent_that_looks_at_nothing_is_said_to(tmp_path):
     assert len(files) == 2
     for file in files:
         assert "No feature moves it" in file.read_text()
+        assert "trials" not in file.read_text()
         assert file.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_agent_that_chooses_by_trials_is_explained_as_it_starts_and_that_is_said(donors, tmp_path):
+    class Starter(Looker):
+        """Looks where to start, and tries that where it can."""
+
+        def ask(self):
+            return self._setting[None]
+
+    said = explain.to_markdown(explain.explain(Starter(), ITEM, donors), "starter")
+    assert "starter chooses by trials; this is its answer without any, from which it starts." in said
+    asked = Arguments("random_search", suite="mountain-v0", donors=2, out=tmp_path)
+    (file,) = explain.run(asked)
+    assert "random_search chooses by trials; this is its answer without any" in file.read_text()
+    assert "from which it starts: the same on every map, for no feature moves it." in file.read_text()
 
 
 def test_a_published_policy_is_explained_by_its_file(tmp_path):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from boards import AGENTS, HOSTILE, SCENARIOS, board, fake_board, recorded, row, small_site
 
+import agents
 from antgym import load_suite
 from antgym.errors import AntgymError, LedgerError, MissingExtraError
 from experiments.board import EXACT, SBS, VBS, Picture
@@ -177,6 +178,17 @@ def test_curves_hold_every_budget_of_a_track_and_profiles_end_at_one(site):
         assert all(shares["shares"] == sorted(shares["shares"]) for shares in one["profile"]["rows"])
         assert all(shares["shares"][-1] == 1 for shares in one["profile"]["rows"])
     assert data["first"] == "A-20"
+
+
+def test_every_track_begins_with_the_curves_of_those_ahead_and_control_with_whoever_steers(tmp_path):
+    """Eight are tuned; in C two others steer, one is behind all eight, whose settings stay."""
+    constants = list(agents.CATALOGUE)[2:10]
+    tuned = [row(name, [[0.1 + i / 100] * 2] * 2) for i, name in enumerate(constants)]
+    static, steered = row(SBS, kind="reference"), [row("x", [[0.01] * 2] * 2), row("y", [[0.9] * 2] * 2)]
+    boards = [board(*tuned, static), board(*tuned[::-1], *steered, track="C", budget=1)]
+    data = json.loads(re.search(r'id="site">(.*?)</script>', written(boards, tmp_path))[1])
+    shown = {track: {data["agents"][i]["name"] for i in numbers} for track, numbers in data["shown"].items()}
+    assert shown == {"A": {*constants[:6], SBS}, "C": {"x", *constants[:5], "y", SBS}}
 
 
 def test_targets_reached_hold_every_budget_of_a_track_by_eye(tmp_path):

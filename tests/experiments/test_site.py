@@ -126,11 +126,16 @@ def test_a_board_is_chosen_and_its_curves_are_drawn(page):
     page.locator("[data-choice=C-1]").click()
     for plot in ("anytime", "reached"):
         expect(page.locator(f"#{plot}")).to_be_hidden()  # one budget makes no curve
-    expect(page.locator(".legend li", has_text="schedule")).to_be_visible()
-    expect(drawn(page, "profile")).to_have_count(3)
+    expect(page.locator("#curves-title")).to_have_text("Tails")
+    expect(page.locator(".legend button", has_text="schedule")).to_have_attribute("aria-pressed", "true")
+    expect(drawn(page, "profile")).to_have_count(4)
     pso = page.locator(".legend button", has_text="pso")
     pso.click()
     page.mouse.move(0, 0)
+    expect(drawn(page, "profile")).to_have_count(3)
+    page.locator("[data-choice=A-20]").click()
+    expect(page.locator("#curves-title")).to_have_text("Budgets and tails")
+    expect(pso).to_have_attribute("aria-pressed", "false")  # what a reader has dropped stays dropped
     expect(drawn(page, "profile")).to_have_count(2)
     pso.click()
 

@@ -64,6 +64,15 @@ def test_trainings_that_differ_in_their_seed_are_one_agent_too():
     assert (together.trials, together.arrived) == (3.0, 0.75)
 
 
+def test_the_figure_names_the_budgets_that_were_measured():
+    outcome = Outcome(np.full((2, 1, 2), 0.3), 0.0, 1.0)
+    for budgets in ((1, 5), (0, 1, 20)):
+        asked = Arguments(agents=(DEFAULT,), budgets=budgets)
+        (axes,) = transfer._figure(asked, {(budget, DEFAULT): outcome for budget in budgets}).axes
+        assert [tick.get_text() for tick in axes.get_xticklabels()] == [str(budget) for budget in budgets]
+        assert axes.get_xticks(minor=True).tolist() == []
+
+
 def test_the_references_of_negative_transfer_must_be_there():
     with pytest.raises(ParameterError, match="must name copy_best_source and published_default"):
         transfer.measure(Arguments(agents=("transfer_graph",)))

@@ -33,7 +33,8 @@ def shell(*arguments):
 def arguments(tmp_path, **changes):
     given = {"rise": 10.0, "agent": "random_search", "budget": 6, "iterations": 10, "fresh": 3}
     given |= {"out": tmp_path / "way", "picture": False, **changes}
-    return Arguments(HILLS, (0, 10, 2), (20, 10, 2), **given)
+    ends = {"file": HILLS, "start": (0, 10, 2), "goal": (20, 10, 2)}
+    return Arguments(**{**ends, **given})
 
 
 def test_a_map_is_tuned_and_everything_is_written(tmp_path):
@@ -53,7 +54,7 @@ def test_a_map_is_tuned_and_everything_is_written(tmp_path):
 def test_the_setting_is_judged_on_runs_that_no_trial_was(tmp_path, monkeypatch, capsys):
     seen = []
     monkeypatch.setattr(tune, "plan_many", lambda *a, **k: seen.extend(k["seeds"]) or plan_many(*a, **k))
-    from antgym.planners.colony import plan_many
+    from antgym.planners.planning import plan_many
 
     assert tune.run(arguments(tmp_path)) == 0
     trials = [
@@ -153,12 +154,41 @@ def test_a_trained_agent_without_its_file_names_the_command_that_makes_it(tmp_pa
         tune.run(arguments(tmp_path, agent="rl", artefacts=tmp_path))
 
 
-def test_a_policy_that_is_shipped_needs_no_folder(tmp_path):
+def test_a_policy_that_is_shipped_needs_no_folder_and_says_what_it_spent(tmp_path, capsys):
     pytest.importorskip("sb3_contrib")
     pytest.importorskip("safetensors")
     for budget in (0, 2):
         tune.run(arguments(tmp_path / str(budget), agent="rl", budget=budget))
-        assert (tmp_path / str(budget) / "way.json").exists()
+        record = json.loads((tmp_path / str(budget) / "way.json").read_text())
+        assert record["tuning"]["trials"] == 0
+    said = capsys.readouterr().out
+    assert "rl, 0 trials, seed 0" in said
+    assert "rl, 0 of 2 trials, seed 0" in said
+
+
+DISCS = {"file": ROOT / "docs" / "discs.json", "start": (), "goal": (), "rise": 0.0}
+BEES = {**DISCS, "rules": "wu2018", "ants": 40}
+
+
+def test_a_scene_of_discs_is_tuned_for_bees_and_planned_again_by_what_is_printed(tmp_path, capsys):
+    assert tune.run(arguments(tmp_path, **BEES, iterations=300)) == 0
+    said = capsys.readouterr().out
+    assert "random_search, 6 trials" in said
+    record = json.loads((tmp_path / "way.json").read_text())
+    assert record["gap"] == pytest.approx(min(record["tuning"]["fresh_gaps"]))
+    setting = said.partition("\nsetting ")[2].splitlines()[0].split()
+    again = ["plan", str(BEES["file"]), *setting, "--no-picture", "--out", str(tmp_path / "again")]
+    assert cli.run(again) == 0
+    assert (tmp_path / "again.csv").read_bytes() == (tmp_path / "way.csv").read_bytes()
+
+
+def test_an_agent_that_learnt_of_ants_cannot_tune_bees(tmp_path):
+    pytest.importorskip("safetensors")
+    words = r"--agent rl on \S+discs.json, --rules wu2018: .*picks \['alpha'.* as optuna_tpe"
+    for budget in (0, 3):
+        with pytest.raises(ParameterError, match=words):
+            tune.run(arguments(tmp_path, **BEES, agent="rl", budget=budget))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_trained_agent_tunes_from_its_folder(tmp_path):
@@ -180,6 +210,9 @@ def test_a_trained_agent_tunes_from_its_folder(tmp_path):
         ({"agent": "optuna_tp"}, "did you mean 'optuna_tpe'"),
         ({"rules": "ants"}, "unknown rules"),
         ({"ants": 0}, "ants = 0"),
+        (DISCS, "ants need --start and --goal; .* as --rules wu2018"),
+        ({**BEES, "start": (1, 1)}, "--start has no effect here: rules 'wu2018' are of bees"),
+        ({**BEES, "ants": 3}, "a hive has 4 bees at least"),
     ],
 )
 def test_what_is_wrong_is_named_and_nothing_is_written(tmp_path, changes, words):

@@ -224,6 +224,14 @@ def test_folders_in_it_are_its_splits(folder):
         load_folder(folder, "ood")
 
 
+def test_a_folder_that_has_test_maps_alone_is_told_that_train_is_missing(tmp_path):
+    (tmp_path / "test").mkdir()
+    write_map(tmp_path / "test" / "one.map", floor(3))
+    with pytest.raises(MapError, match=r"has no train split: its maps are all in test/, .* into \S+/train$"):
+        load_folder(tmp_path)
+    assert len(load_folder(tmp_path, "test")) > 0
+
+
 def test_the_same_objects_come_until_a_file_changes(folder):
     first = load_folder(folder)
     assert load_folder(folder) is first

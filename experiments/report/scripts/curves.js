@@ -4,6 +4,7 @@
   const legend = document.querySelector(".legend");
   const symbols = { solid: "circle", dot: "square", dash: "diamond", dashdot: "triangle-up" };
   const bands = 3; // of so many curves, or of the one that is pointed at: more are a fog
+  const wanted = new Map(); // what a reader has pressed holds on every track; all else is as a track begins
   let pointed = null;
   const options = { responsive: true, displayModeBar: false };
 
@@ -30,7 +31,8 @@
     };
   }
 
-  const isDrawn = ({ agent }) => agent === pointed || (site.agents[agent].shown && site.agents[agent].kept);
+  const isShown = (agent) => wanted.get(agent) ?? site.shown[site.boards[antgym.route.board].track].includes(agent);
+  const isDrawn = ({ agent }) => agent === pointed || (isShown(agent) && site.agents[agent].kept);
   const ranks = () => site.boards[antgym.route.board].order;
   const banded = (curves) => (pointed === null
     ? [...curves].filter(({ agent }) => ranks().includes(agent)).sort((a, b) => ranks().indexOf(a.agent) - ranks().indexOf(b.agent)).slice(0, bands)
@@ -111,6 +113,7 @@
     for (const item of legend.children) {
       const agent = Number(item.dataset.agent);
       item.hidden = !site.agents[agent].kept || !there.has(agent);
+      item.firstChild.setAttribute("aria-pressed", String(isShown(agent)));
     }
   }
 
@@ -127,13 +130,13 @@
       drawOverBudgets("reached", " of targets", axis("targets reached, %", { range: [0, 102] }));
       drawProfile();
       document.getElementById("curves").hidden = document.querySelectorAll("#curves figure:not([hidden])").length === 0;
+      document.getElementById("curves-title").textContent = document.getElementById("anytime-figure").hidden ? "Tails" : "Budgets and tails";
     });
   }
 
-  function press(agent, button) {
-    agent.shown = !agent.shown;
+  function press(agent) {
+    wanted.set(agent, !isShown(agent));
     pointed = null;
-    button.setAttribute("aria-pressed", String(agent.shown));
     draw();
   }
 
@@ -145,8 +148,8 @@
   function listLegend() {
     for (const i of site.legend) {
       const agent = site.agents[i];
-      const button = element("button", { type: "button", "aria-pressed": agent.shown }, swatch(agent), agent.name);
-      button.addEventListener("click", () => press(agent, button));
+      const button = element("button", { type: "button" }, swatch(agent), agent.name);
+      button.addEventListener("click", () => press(i));
       button.addEventListener("pointerenter", () => point(i));
       button.addEventListener("focus", () => { if (button.matches(":focus-visible")) point(i); }); // a touch focuses, too
       for (const event of ["pointerleave", "blur"]) button.addEventListener(event, () => point(null));
