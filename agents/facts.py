@@ -34,9 +34,7 @@ def card_of(model: Any, file: Path, told: Mapping[str, Any]) -> PolicyCard:
             raise ParameterError(f"unknown field {name!r} of a policy's card; {nearest(name, TOLD)}")
     check_fields(file, told)
     seen, action = seen_in(model.observation_space), _kind_of(model.action_space)
-    if (
-        action == "setting" and told.get("action") == "moved"
-    ):  # the same space: which of the two is for whom trained it
+    if action == "setting" and told.get("action") == "moved":  # both are a Box: only who trained it knows
         action = "moved"
     of_model = {
         "algorithm": type(model).__name__,
@@ -81,9 +79,9 @@ def _environment(name: str, arguments: Mapping[str, Any]) -> Any:
 def _require_same(place: str, found: Mapping[str, Any], told: Mapping[str, Any]) -> None:
     for name, value in found.items():
         if name in told and told[name] != value:
+            way = f", or give arguments={{'window': {told[name]}}}" if name == "window" and value else ""
             raise ParameterError(
-                f"{name} = {told[name]!r:.80}: {place} says {value!r:.80}; leave {name} out"
-                + (f", or give arguments={{'window': {told[name]}}}" if name == "window" else "")
+                f"{name} = {told[name]!r:.80}: {place} says {value!r:.80}; leave {name} out{way}"
             )
 
 
@@ -119,7 +117,7 @@ def seen_in(space: Any) -> dict[str, Any]:
     parts = getattr(space, "spaces", {"features": space})
     if set(parts) - {"features", "map"} or len(parts["features"].shape) != 1:
         raise ParameterError(f"observations of {space} are none of antgym's")
-    found = {"size": int(parts["features"].shape[0]), "map": None, "observation": "features"}
+    found: dict[str, Any] = {"size": int(parts["features"].shape[0]), "map": None, "observation": "features"}
     if "map" in parts:
         found["map"] = [int(side) for side in parts["map"].shape]
         found["observation"] = "map2d" if len(parts["map"].shape) == 3 else "map3d"
