@@ -1,7 +1,6 @@
 """Networks of published policies: built from closed tables of classes and arguments, filled with weights by name."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -9,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.algorithms import EXTRACTORS, Algorithm, check_constructor, constructor_of, find_algorithm
-from agents.published import PolicyCard, read_card, read_weights, stem_of, write
+from agents.algorithms import EXTRACTORS, Algorithm, check_constructor, find_algorithm
+from agents.facts import card_of, done_by, seen_by
+from agents.published import PolicyCard, beside, read_card, read_weights, stem_of, write
 from antgym.errors import MissingExtraError, ParameterError, nearest
-from antgym.tuning import choices
 
 
 class Player:
@@ -75,10 +74,7 @@ def load(path: str | Path) -> tuple[PolicyCard, Any]:
     """
     card = read_card(path)
     try:
-        network, data = _build(card), read_weights(path, card.sha256)
-        fill(network, _needed(find_algorithm(card.algorithm), network.state_dict()), data)
-        network.set_training_mode(False)
-        return card, network
+        return card, _network(card, read_weights(path, card.sha256))
     except ParameterError as error:
         stem = str(stem_of(path))
         place = "" if str(error).startswith(stem) else f"{stem}: "
@@ -88,55 +84,39 @@ def load(path: str | Path) -> tuple[PolicyCard, Any]:
 def export(model: Any, path: str | Path, **facts: Any) -> PolicyCard:
     """Publish the policy of a model of stable-baselines3 or sb3-contrib: what acting needs of it, nothing else.
 
+    A card says where a policy may be played. With ``env`` the environment says so, as it is made with ``arguments``::
+
+        export(model, "out/mine", env="antgym/RoomTrials-v0", arguments={"window": 3}, evaluations=8192)
+
+    Without, the policy is taken for one of OneShot of ants, unless ``regime``, ``parameters`` and ``window`` say what
+    else it is.
+
     Args:
         model: a trained algorithm.
         path: NAME of the two files.
-        facts: fields of :class:`PolicyCard` that a model does not know: ``env``, ``regime``, ``evaluations``, ...
+        facts: fields of :class:`PolicyCard` that a model does not know: ``env``, ``arguments``, ``evaluations``, ...;
+            ``action="moved"`` and ``start`` where its actions are moves from a start.
 
     Returns:
         The card, as written.
 
     Raises:
-        ParameterError: where the policy is built from what a card cannot hold.
+        ParameterError: where the policy is built from what a card cannot hold, on an unknown field or environment, and
+            where the model's spaces are not those of the environment or regime. Nothing is written then.
     """
-    name = type(model).__name__
-    weights = to_bytes(_needed(find_algorithm(name), model.policy.state_dict()))
-    card = PolicyCard(
-        algorithm=name,
-        policy=_alias(model),
-        constructor=constructor_of(model.policy_kwargs),
-        **_spaces(model.observation_space, model.action_space),
-    )
-    card = replace(card, **facts)
+    card = card_of(model, beside(stem_of(path), ".json"), facts)
+    weights = to_bytes(_needed(find_algorithm(card.algorithm), model.policy.state_dict()))
+    _network(card, weights)  # what cannot be read again is not written
     write(path, card, weights)
-    return load(path)[0]
+    return read_card(path)
 
 
-def _alias(model: Any) -> str:
-    for alias, kind in type(model).policy_aliases.items():
-        if kind is type(model.policy):
-            return str(alias)
-    raise ParameterError(f"{type(model.policy).__name__} is no policy of {type(model).__name__}'s own")
-
-
-def _spaces(observation: Any, action: Any) -> dict[str, Any]:
-    """Return the fields of a card that a model's spaces decide; a Control environment's changes are told by theirs.
-
-    Spaces do not name parameters: they are taken for those of ants where the facts of the training tell no others.
-    """
-    found: dict[str, Any] = {"action": "setting", "parameters": ["alpha", "beta", "rho", "Q"]}
-    parts = getattr(observation, "spaces", {"features": observation})
-    if set(parts) - {"features", "map"} or len(parts["features"].shape) != 1:
-        raise ParameterError(f"observations of {observation} are none of antgym's")
-    found["size"] = int(parts["features"].shape[0])
-    if "map" in parts:
-        found["map"] = [int(side) for side in parts["map"].shape]
-        found["observation"] = "map2d" if len(found["map"]) == 3 else "map3d"
-    if hasattr(action, "nvec"):
-        found["action"] = "each"
-    elif hasattr(action, "n"):
-        found["action"] = "one"
-    return found
+def _network(card: PolicyCard, data: bytes) -> Any:
+    """Return the network that a card describes, filled with the content of its weights' file."""
+    network = _build(card)
+    fill(network, _needed(find_algorithm(card.algorithm), network.state_dict()), data)
+    network.set_training_mode(False)
+    return network
 
 
 def _build(card: PolicyCard) -> Any:
@@ -161,33 +141,13 @@ def _build(card: PolicyCard) -> Any:
     if card.algorithm != "ARS":  # which has no optimiser
         given["lr_schedule"] = _no_learning
     try:
-        return kind.policy_aliases[card.policy](_seen(card), _done(card), **given)
+        return kind.policy_aliases[card.policy](seen_by(card), done_by(card), **given)
     except (TypeError, ValueError, AssertionError, RuntimeError, KeyError, AttributeError) as error:
         raise ParameterError(f"field 'constructor': builds no {card.policy} ({error})") from None
 
 
 def _no_learning(_: float) -> float:
     return 0.0
-
-
-def _seen(card: PolicyCard) -> Any:
-    from gymnasium import spaces
-
-    features = spaces.Box(-np.inf, np.inf, (card.size,), np.float32)
-    if card.map is None:
-        return features
-    return spaces.Dict({"features": features, "map": spaces.Box(0.0, 1.0, tuple(card.map), np.float32)})
-
-
-def _done(card: PolicyCard) -> Any:
-    from gymnasium import spaces
-
-    dimension = len(card.parameters)
-    if card.action in ("setting", "moved"):
-        return spaces.Box(-1.0, 1.0, (dimension,), np.float32)
-    if card.action == "each":
-        return spaces.MultiDiscrete(list(choices("each", dimension)))
-    return spaces.Discrete(choices("one", dimension)[0])
 
 
 def fill(network: Any, wanted: Mapping[str, Any], data: bytes) -> None:

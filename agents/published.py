@@ -7,7 +7,7 @@ import hashlib
 import json
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
@@ -214,11 +214,16 @@ def read_card(path: str | Path) -> PolicyCard:
     return card
 
 
-def _check(file: Path, card: PolicyCard) -> None:
-    for name, (fits, wanted) in _CHECKS.items():
-        value = getattr(card, name)
+def check_fields(file: Path, values: Mapping[str, Any]) -> None:
+    """Raise ParameterError where the value of a field is none that it may have; it names the file and the field."""
+    for name, value in values.items():
+        fits, wanted = _CHECKS[name]
         if not fits(value):
             raise ParameterError(f"{file}: field {name!r} = {value!r:.80}: has to be {wanted}")
+
+
+def _check(file: Path, card: PolicyCard) -> None:
+    check_fields(file, vars(card))
     sides = {"features": None, "map2d": 3, "map3d": 4}[card.observation]
     if (None if card.map is None else len(card.map)) != sides:
         raise ParameterError(
@@ -260,10 +265,16 @@ def write_both(path: str | Path, form: str, card: Any, weights: bytes) -> None:
         form: format that the card names.
         card: a dataclass with a field ``sha256``, which is told here.
         weights: content of the weights' file.
+
+    Raises:
+        ParameterError: on a value that is no JSON; nothing is written then.
     """
     stem = stem_of(path)
-    stem.parent.mkdir(parents=True, exist_ok=True)
     content = {"format": form, **asdict(card), "sha256": hashlib.sha256(weights).hexdigest()}
-    text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    try:
+        text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    except TypeError as error:
+        raise ParameterError(f"{beside(stem, '.json')}: holds what JSON has no form for ({error})") from None
+    stem.parent.mkdir(parents=True, exist_ok=True)
     for suffix, data in ((".safetensors", weights), (".json", text.encode())):
         write_whole(beside(stem, suffix), data)

@@ -46,6 +46,9 @@ class MissingExtraError(AntgymError, ImportError):
         super().__init__(f'{package} is not installed; mend it with: pip install "antgym[{extra}]"')
 
 
+LEAST_BEGINNING = 3  # letters of a name by which a longer one is known
+
+
 def is_count(value: object) -> bool:
     """Return whether a value is a whole number of at least one."""
     if type(value) is int:  # by far the most
@@ -54,9 +57,13 @@ def is_count(value: object) -> bool:
 
 
 def nearest(name: str, known: "list[str] | tuple[str, ...]") -> str:
-    """Return the clause that ends an unknown-name message: the nearest valid name and the whole list."""
+    """Return the clause that ends an unknown-name message: the nearest valid name and the whole list.
+
+    Nearest is what the name goes on from, as ``"environment"`` does from ``"env"``, or else what it shares most with.
+    """
     import difflib
 
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+    begun = [each for each in known if len(each) >= LEAST_BEGINNING and name.startswith(each)]
+    close = [max(begun, key=len)] if begun else difflib.get_close_matches(name, known, n=1, cutoff=0.0)
     hint = f"did you mean {close[0]!r}? " if close else ""
     return f"{hint}valid: {', '.join(known)}"

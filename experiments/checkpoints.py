@@ -52,9 +52,9 @@ class Checkpoints:
         self.folder, self._asked = folder, json.loads(json.dumps(asked))
         self.standing = self._read()
 
-    def resume(self, kind: Any, envs: Any, tensorboard: str | None) -> Any:
+    def resume(self, kind: Any, envs: Any) -> Any:
         """Return the model of the newest checkpoint."""
-        model = kind.load(self._zip(self.standing.leg), env=envs, device="cpu", tensorboard_log=tensorboard)
+        model = kind.load(self._zip(self.standing.leg), env=envs, device="cpu")
         if self._replay(self.standing.leg).exists():
             model.load_replay_buffer(self._replay(self.standing.leg))
         return model

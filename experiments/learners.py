@@ -159,16 +159,21 @@ class Learner:
         return ChangingVecEnv(envs, self.how, start)
 
     def train_envs(self, seed: int) -> Any:
-        """Return the batch that is trained on."""
+        """Return the batch that is trained on; returns are counted in the environment's own units, before any scale.
+
+        ARS counts them itself: it would learn from those that a monitor counts, and not from what it is paid.
+        """
+        from stable_baselines3.common.vec_env import VecMonitor
+
         from antgym.envs.sb3 import ScaledRewards
 
-        envs, scale = (
-            self.envs(self.settings.get("num_envs", 1), seed),
-            self.settings.get("reward_scale", 1.0),
-        )
+        envs: Any = self.envs(self.settings.get("num_envs", 1), seed)
+        scale = self.settings.get("reward_scale", 1.0)
+        if self.algorithm != "ARS":
+            envs = VecMonitor(envs)
         return envs if scale == 1.0 else ScaledRewards(envs, scale)
 
-    def model(self, envs: Any, seed: int, steps: int, tensorboard: str | None) -> Any:
+    def model(self, envs: Any, seed: int, steps: int) -> Any:
         """Return the untrained model; what it replays holds all ``steps`` of its training."""
         kind, given = algorithm_class(self.algorithm), dict(self.settings)
         noise = given.get("action_noise")
@@ -181,9 +186,7 @@ class Learner:
             given["action_noise"] = NormalActionNoise(np.zeros(size), np.full(size, noise))
         if "learning_starts" in given:
             given.setdefault("buffer_size", max(steps, envs.num_envs))
-        return kind(
-            self._alias(kind, envs), envs, seed=seed, device="cpu", tensorboard_log=tensorboard, **given
-        )
+        return kind(self._alias(kind, envs), envs, seed=seed, device="cpu", **given)
 
     def _alias(self, kind: Any, envs: Any) -> str:
         reads = "MultiInput" if hasattr(envs.observation_space, "spaces") else "Mlp"

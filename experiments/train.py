@@ -9,13 +9,17 @@ harms, what is published stays there. Stopped or killed, the same command goes o
 it says so.
 
 Every leg begins with new episodes, its seeds a function of the root seed and the leg. So a training that was resumed
-gives the same policy as one that was not, bit for bit, with the same versions on the same machine; TensorBoard's curves
-and the seconds are what may differ. ``--evaluations`` is rounded down to whole updates of the networks and
-whole episodes, one at least.
+gives the same policy as one that was not, bit for bit, with the same versions on the same machine; the seconds are what
+may differ. ``--evaluations`` is rounded down to whole updates of the networks and whole episodes; one update is made at
+least, and where that costs more, the command says so.
+
+TensorBoard's curves are over steps of all slots; ``time/planner_runs`` says what they had cost. ``rollout/ep_rew_mean``
+is in units of the environment's reward, whatever scale the settings learn from.
 """
 
 import json
 import math
+import sys
 import time
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -32,6 +36,7 @@ from antgym.console import RESUMES, Advance, main, parse, progress
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.tuning.actions import Start
 from antgym.tuning.seeding import child_states
+from experiments import curves
 from experiments.checkpoints import Checkpoints, Standing, require_same
 from experiments.learners import Learner, parsed
 from experiments.provenance import file_hash
@@ -172,20 +177,20 @@ def _asked(learner: Learner, arguments: Arguments) -> dict[str, Any]:
 def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
     """Return the model after all legs, those that are kept among them."""
     kind = algorithm_class(arguments.algorithm)
-    log = None if arguments.tensorboard is None else str(arguments.tensorboard)
     envs, validation = learner.train_envs(arguments.seed), Validation(learner, arguments.validation)
     table = _table(learner, arguments)
     charged = table.trials if table else 0
     steps = int((arguments.evaluations - charged) / learner.runs_a_step)
     begun = bool(kept.standing.history)
     held = max(1, steps + charged)
-    model = kept.resume(kind, envs, log) if begun else learner.model(envs, arguments.seed, held, log)
-    if table and not begun:
-        table.fill(model)
-    if learner.how in FROM_A_START and not begun:
-        kept.keep(model, _judged(model, kept.standing, validation))
+    model = kept.resume(kind, envs) if begun else learner.model(envs, arguments.seed, held)
+    name = f"{arguments.algorithm}-{arguments.out.name}"
+    model.set_logger(curves.logger(arguments.tensorboard, name, model.num_timesteps + begun))
     unit = _unit(model, learner.steps_an_episode)
     units = steps // unit if table else max(1, steps // unit)
+    if not begun:
+        _say_what_is_more(arguments, charged + round(units * unit * learner.runs_a_step))
+        _begin(learner, model, table, kept, validation)
     title = f"{arguments.algorithm} on {arguments.env.removeprefix('antgym/')}"
     with progress(title, charged + round(units * unit * learner.runs_a_step)) as advance:
         advance(kept.standing.evaluations, _titled(title, kept.standing))
@@ -197,6 +202,27 @@ def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
                 kept.keep(model, standing)
                 advance(0, _titled(title, standing))
     return model
+
+
+def _say_what_is_more(arguments: Arguments, spent: int) -> None:
+    """Say on stderr where a training takes more planner runs than were asked for."""
+    if spent > arguments.evaluations:
+        print(
+            f"--evaluations {arguments.evaluations}: {arguments.algorithm} spends {spent}, its least: one update",
+            file=sys.stderr,
+        )
+
+
+def _begin(
+    learner: Learner, model: Any, table: Replayed | None, kept: Checkpoints, validation: Validation
+) -> None:
+    """Give a new model the trials of its table, and judge the start that it is to change."""
+    if table:
+        table.fill(model)
+    if learner.how in FROM_A_START:
+        standing = _judged(model, kept.standing, validation)
+        curves.draw(model, standing)
+        kept.keep(model, standing)
 
 
 def _table(learner: Learner, arguments: Arguments) -> Replayed | None:
@@ -218,10 +244,9 @@ def _walk(
 ) -> Standing:
     """Train a leg and validate; return how the training stands then."""
     begun = time.perf_counter()
-    evaluations = before.evaluations + _learn(model, goal, leg, table, arguments, advance)
+    evaluations = _learn(model, goal, leg, table, before.evaluations, arguments, advance)
     standing = _judged(model, replace(before, leg=leg, evaluations=evaluations), validation)
-    model.logger.record("validation/gap", standing.history[-1][1])
-    model.logger.dump(model.num_timesteps)
+    curves.draw(model, standing)
     return replace(standing, seconds=round(before.seconds + time.perf_counter() - begun, 1))
 
 
@@ -238,31 +263,36 @@ def _judged(model: Any, standing: Standing, validation: Validation) -> Standing:
 
 
 def _learn(
-    model: Any, goal: Goal, leg: int, table: Replayed | None, arguments: Arguments, advance: Advance
+    model: Any,
+    goal: Goal,
+    leg: int,
+    table: Replayed | None,
+    spent: int,
+    arguments: Arguments,
+    advance: Advance,
 ) -> int:
-    """Let a model learn a leg, from trials of a table first where there is one; return the planner runs it took."""
+    """Let a model learn a leg, from trials of a table first where there is one; return what is spent by then."""
     native = model.get_env().unwrapped.native
-    begun = shown = native.planner_runs
+    shown = native.planner_runs
 
     def after_step(*_: Any) -> bool:
-        nonlocal shown
-        advance(native.planner_runs - shown)
-        shown = native.planner_runs
+        nonlocal shown, spent
+        advance(more := int(native.planner_runs - shown))
+        shown, spent = native.planner_runs, spent + more
+        model.logger.record(curves.RUNS, spent)
         model._total_timesteps = goal.whole  # schedules, as of DQN's exploration, go over all legs
         return True
 
     model.set_random_seed(int(child_states([arguments.seed], [(_LEG, leg)])[0, 0]) % SEED_LIMIT)
     model._last_obs = None  # so that learning begins new episodes, resumed or not
-    name = f"{arguments.algorithm}-{arguments.out.name}"
-    charged = 0
     if table:
-        model.learn(0, reset_num_timesteps=False, tb_log_name=name)  # no step, but what logs it is there
         charged = table.trials if leg == 1 else 0
         advance(charged)
+        spent += charged
         table.learn(model, leg, LEGS)
     if goal.leg > model.num_timesteps:
-        model.learn(goal.leg - model.num_timesteps, after_step, reset_num_timesteps=False, tb_log_name=name)
-    return int(native.planner_runs - begun) + charged
+        model.learn(goal.leg - model.num_timesteps, after_step, reset_num_timesteps=False)
+    return spent
 
 
 def _unit(model: Any, episode: int) -> int:

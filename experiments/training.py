@@ -7,11 +7,6 @@ from typing import Any
 from agents.choosing import digest_of, members_of, spent_on
 from agents.published import stem_of
 from agents.static import StaticSettings
-from antgym.maps.suites import load_suite
-from antgym.planners.planning import are_bees
-from antgym.planners.swarms import parameter_names
-from antgym.tuning.features import task_table
-from antgym.tuning.run_features import control_table
 from experiments.checkpoints import Standing
 from experiments.learners import Learner
 
@@ -22,7 +17,7 @@ SHORT = ("algorithm", "env", "regime", "seed", "evaluations", "validation_runs",
 def facts(
     learner: Learner, by_rules: Path | None, standing: Standing, *, seed: int, asked: dict[str, Any]
 ) -> dict[str, Any]:
-    """Return the fields of a card that the model does not know.
+    """Return the fields of a card that neither the model nor its environment knows.
 
     Args:
         learner: what was trained.
@@ -31,15 +26,7 @@ def facts(
         seed: its root seed.
         asked: what decided it.
     """
-    regime = learner.entry.regime
-    rules = load_suite(learner.suite, "train").rules
-    bees, names = are_bees(rules), parameter_names(rules[0])
-    features = control_table(bees, names) if regime == "Control" else task_table(bees)
     return {
-        "regime": regime,
-        "window": learner.kwargs.get("window", 5) if regime == "Trials" else 0,
-        "features": [feature.name for feature in features],
-        "parameters": list(names),
         "action": learner.how,
         "start": learner.start,
         **_begun(learner, by_rules),

@@ -12,17 +12,17 @@ SIZE = len(TASK_FEATURES)
 class Blank(gymnasium.Env):
     """An environment of given spaces in which nothing happens."""
 
-    def __init__(self, size=SIZE, picture=None, action="setting"):
+    def __init__(self, size=SIZE, picture=None, action="setting", chosen=4):
         vector = gymnasium.spaces.Box(-1.5, 1.5, (size,), np.float32)
         self.observation_space = vector
         if picture:
             sides = gymnasium.spaces.Box(0.0, 1.0, picture, np.float32)
             self.observation_space = gymnasium.spaces.Dict({"features": vector, "map": sides})
         spaces = {
-            "setting": gymnasium.spaces.Box(-1, 1, (4,), np.float32),
-            "moved": gymnasium.spaces.Box(-1, 1, (4,), np.float32),
-            "each": gymnasium.spaces.MultiDiscrete(list(choices("each", 4))),
-            "one": gymnasium.spaces.Discrete(choices("one", 4)[0]),
+            "setting": gymnasium.spaces.Box(-1, 1, (chosen,), np.float32),
+            "moved": gymnasium.spaces.Box(-1, 1, (chosen,), np.float32),
+            "each": gymnasium.spaces.MultiDiscrete(list(choices("each", chosen))),
+            "one": gymnasium.spaces.Discrete(choices("one", chosen)[0]),
         }
         self.action_space = spaces[action]
 
@@ -33,7 +33,7 @@ class Blank(gymnasium.Env):
         return self.observation_space.sample(), 0.0, True, False, {}
 
 
-def blank_model(algorithm="PPO", *, size=SIZE, picture=None, action="setting", seed=0, **kwargs):
+def blank_model(algorithm="PPO", *, size=SIZE, picture=None, action="setting", chosen=4, seed=0, **kwargs):
     """An untrained model, its features standardised by numbers that the constructor does not hold."""
     import torch
 
@@ -55,7 +55,12 @@ def blank_model(algorithm="PPO", *, size=SIZE, picture=None, action="setting", s
         kwargs["buffer_size"] = 10
     name = ("MultiInput" if picture else "Mlp") + ("Lstm" if algorithm == "RecurrentPPO" else "") + "Policy"
     model = algorithm_class(algorithm)(
-        name, Blank(size, picture, action), seed=seed, device="cpu", policy_kwargs=policy_kwargs, **kwargs
+        name,
+        Blank(size, picture, action, chosen),
+        seed=seed,
+        device="cpu",
+        policy_kwargs=policy_kwargs,
+        **kwargs,
     )
     with torch.no_grad():  # ARS begins at zero, others near it: a test would see little of them
         for weights in model.policy.parameters():

@@ -22,6 +22,7 @@ from antgym.tuning.features import DISC_TASK_FEATURES, TASK_FEATURES, task_table
 from antgym.tuning.observation import bounds
 from antgym.tuning.session import Session
 from antgym.tuning.sessions import Account
+from antgym.tuning.shown import Shown, shown_in
 
 OBSERVATIONS = ("features", "map", "map2d", "map3d")
 Step = tuple[Observation, float, bool, bool, dict[str, Any]]
@@ -46,6 +47,7 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     arguments: tuple[str, ...] = ("suite", "split", "effort", "reward", "observation", "render_mode")
     features: tuple[Feature, ...] = TASK_FEATURES  # the tabulated part of the observation on grids,
     disc_features: tuple[Feature, ...] = DISC_TASK_FEATURES  # and among discs
+    regime: str  # OneShot, Trials or Control
     _kind: type[Episodes]  # of its episodes
     _budget, _window = 1, 0  # trials an episode pays for, and how many of them the observation shows
     least_iterations = 1  # of a run
@@ -120,6 +122,11 @@ class TuningEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def task_features(self) -> tuple[Feature, ...]:
         """The table of the task's features, with which the vectors shown begin."""
         return task_table(self._terms.problems.discs)
+
+    @property
+    def shown(self) -> Shown:
+        """What the vectors shown hold, which a published policy's card says of whom was trained here."""
+        return shown_in(self.regime, self._terms.problems.names, self._window)
 
     @property
     def planner_runs(self) -> int:

@@ -177,6 +177,7 @@ class ControlEnv(TuningEnv):
 
     features, disc_features = CONTROL_FEATURES, DISC_CONTROL_FEATURES
     least_iterations = LEAST_ITERATIONS
+    regime = "Control"
     _kind = ControlEpisodes
     _episodes: ControlEpisodes
 

@@ -132,4 +132,5 @@ class OneShotEnv(TuningEnv):
     The docstrings of `antgym.planners.rules` and `antgym.planners.bee_rules` name paper and equations of every rule.
     """
 
+    regime = "OneShot"
     _kind = OneShotEpisodes

@@ -111,6 +111,7 @@ class TrialsEnv(TuningEnv):
     As in OneShot.
     """
 
+    regime = "Trials"
     _kind = TrialsEpisodes
     arguments = (*TuningEnv.arguments, "budget", "window")
 

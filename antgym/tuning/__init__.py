@@ -8,6 +8,7 @@ from antgym.tuning.features import shown_rules
 from antgym.tuning.observation import observe, observe_with_map
 from antgym.tuning.problem import COST_CAP, Task
 from antgym.tuning.session import Session, Trial, incumbent
+from antgym.tuning.shown import Shown, shown_in
 
 __all__ = [
     "COST_CAP",
@@ -18,6 +19,7 @@ __all__ = [
     "ParameterSpace",
     "Result",
     "Session",
+    "Shown",
     "Start",
     "Task",
     "Trial",
@@ -28,6 +30,7 @@ __all__ = [
     "observe",
     "observe_with_map",
     "settings_of",
+    "shown_in",
     "shown_rules",
     "starts_of",
     "tune",

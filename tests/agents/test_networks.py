@@ -12,13 +12,14 @@ import pytest
 pytest.importorskip("sb3_contrib", reason="needs the extra rl")
 pytest.importorskip("safetensors", reason="needs the extra rl")
 
-from blank_models import blank_model
+from blank_models import SIZE, blank_model
 
 import agents
 from agents.algorithms import ALGORITHMS
 from agents.networks import Player, export, load
 from agents.published import PolicyCard
 from antgym.errors import ParameterError
+from antgym.tuning.run_features import CONTROL_FEATURES
 
 CASES = [
     (name, action, None) for name, row in ALGORITHMS.items() for action in row.actions if action != "moved"
@@ -33,8 +34,11 @@ CASES += [
 @pytest.mark.parametrize(("algorithm", "action", "picture"), CASES)
 def test_a_reloaded_policy_acts_as_the_model_does(tmp_path, algorithm, action, picture):
     """Within 1e-6, over an episode in which a recurrent one remembers."""
-    model = blank_model(algorithm, picture=picture, action=action)
-    export(model, tmp_path / "p", env="antgym/OpenOneShot-v0")
+    steers = action in ("each", "one")
+    model = blank_model(
+        algorithm, size=len(CONTROL_FEATURES) if steers else SIZE, picture=picture, action=action
+    )
+    export(model, tmp_path / "p", regime="Control" if steers else "OneShot")
     card, network = load(tmp_path / "p.json")
     assert (card.algorithm, card.action) == (algorithm, action)
     model.observation_space.seed(1)
@@ -208,7 +212,7 @@ def test_weights_cut_short_are_noticed(published):
 
 def test_the_readers_import_nothing_that_unpickles():
     folder = Path(agents.__file__).parent
-    readers = ("artefact", "published", "algorithms", "networks", "policy", "ensemble", "choosing")
+    readers = ("artefact", "published", "algorithms", "facts", "networks", "policy", "ensemble", "choosing")
     for name in (f"{reader}.py" for reader in readers):
         tree = ast.parse((folder / name).read_text(encoding="utf-8"))
         words = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
@@ -239,4 +243,86 @@ def test_what_a_card_cannot_hold_is_not_published(tmp_path):
     model.policy_kwargs["use_sde"] = True
     with pytest.raises(ParameterError, match="use_sde"):
         export(model, tmp_path / "p")
+    assert not list(tmp_path.iterdir())
+
+
+ANTS, BEES = ["alpha", "beta", "rho", "Q"], ["limit", "xi_max", "xi_min"]
+
+
+@pytest.mark.parametrize(
+    ("world", "arguments", "model", "expected"),
+    [
+        ("RoomOneShot", {}, {}, ("OneShot", 0, ANTS, 68)),
+        ("RoomTrials", {}, {"size": 104}, ("Trials", 5, ANTS, 68)),
+        ("RoomTrials", {"window": 2}, {"size": 86}, ("Trials", 2, ANTS, 68)),
+        ("RoomControl", {}, {"size": 81, "action": "each"}, ("Control", 0, ANTS, 81)),
+        ("RoomOneShot", {"observation": "map"}, {"picture": (3, 32, 32)}, ("OneShot", 0, ANTS, 68)),
+        ("BeeOneShot", {}, {"size": 36, "chosen": 3}, ("OneShot", 0, BEES, 36)),
+        (
+            "TabuBeeControl",
+            {},
+            {"size": 49, "action": "one", "algorithm": "DQN"},
+            ("Control", 0, [*BEES, "tabu_radius"], 49),
+        ),
+    ],
+)
+def test_where_a_policy_may_be_played_follows_from_its_environment(
+    tmp_path, world, arguments, model, expected
+):
+    card = export(blank_model(**model), tmp_path / "p", env=f"antgym/{world}-v0", arguments=arguments)
+    assert (card.regime, card.window, card.parameters, len(card.features)) == expected
+    assert load(tmp_path / "p")[0] == card
+
+
+@pytest.mark.parametrize(
+    ("model", "facts", "message"),
+    [
+        ({}, {"enviroment": "x"}, "unknown field 'enviroment' of a policy's card; did you mean 'env'"),
+        ({}, {"env": "Room"}, "unknown environment 'Room'; did you mean 'antgym/RoomTrials-v0'"),
+        ({}, {"env": "CartPole-v1"}, "unknown environment 'CartPole-v1'; did you mean 'antgym/"),
+        ({}, {"env": "antgym/BeeOneShot-v0"}, "the model sees 68 numbers, antgym/BeeOneShot-v0 shows 36"),
+        (
+            {"size": 80},
+            {"env": "antgym/RoomTrials-v0"},
+            "sees 80 numbers, .* shows 104 numbers; env= and arg",
+        ),
+        ({"size": 104}, {}, "sees 104 numbers, OneShot of alpha, beta, rho, Q shows 68 numbers; env= says"),
+        ({"size": 104}, {"regime": "Trials"}, "window = 0: trials that Trials shows; one at least"),
+        ({}, {"window": 5}, "window = 5: trials that OneShot shows; 0, none is shown"),
+        ({}, {"window": "5"}, r"p\.json: field 'window' = '5': has to be a whole number"),
+        (
+            {"size": 92},
+            {"env": "antgym/RoomTrials-v0", "window": 3},
+            "window = 3: antgym/RoomTrials-v0 says 5; leave window out, or give arguments={'window': 3}",
+        ),
+        (
+            {"size": 81},
+            {"env": "antgym/RoomControl-v0", "regime": "OneShot"},
+            "regime = 'OneShot': antgym/RoomControl-v0 says 'Control'; leave regime out",
+        ),
+        ({}, {"size": 81}, "size = 81: the model says 68; leave size out"),
+        ({"size": 36, "chosen": 3}, {}, "the model sees 36 numbers"),
+        ({"chosen": 3}, {}, r"picks of Box\(-1.0, 1.0, \(3,\), float32\), .* takes Box\(-1.0, 1.0, \(4,\)"),
+        ({"size": 36, "chosen": 4}, {"env": "antgym/BeeOneShot-v0"}, r"picks of Box.*\(4,\).* \(3,\)"),
+        (
+            {},
+            {"parameters": ["alpha", "beta", "rho", "q0"]},
+            "what is chosen is alpha, beta, rho, Q or limit",
+        ),
+        (
+            {"picture": (3, 32, 32)},
+            {"env": "antgym/RoomOneShot-v0"},
+            r"sees 68 numbers and a map of \[3, 32, 32\], antgym/RoomOneShot-v0 shows 68 numbers; env= and",
+        ),
+        ({"action": "each"}, {}, "the model changes settings .* as in Control alone"),
+        ({}, {"env": "antgym/RoomOneShot-v0", "arguments": {"sweet": 1}}, "argument 'sweet'"),
+        ({}, {"settings": {"rate": {1}}}, r"p\.json: holds what JSON has no form for"),
+        ({}, {"action": "moved"}, "needs a start"),
+    ],
+)
+def test_what_is_told_and_does_not_fit_the_model_is_refused_before_anything_is_written(
+    tmp_path, model, facts, message
+):
+    with pytest.raises(ParameterError, match=message):
+        export(blank_model(**model), tmp_path / "own" / "p", **facts)
     assert not list(tmp_path.iterdir())

@@ -65,7 +65,7 @@ def test_gaps_are_those_of_the_runs_that_the_table_was_made_of(asked, table):
 
 def test_what_is_replayed_is_one_whole_episode_a_trial(asked, table):
     taught, found = learner(asked), Replayed(table, learner(asked), 40)
-    model = taught.model(taught.train_envs(0), 0, 60, None)
+    model = taught.model(taught.train_envs(0), 0, 60)
     found.fill(model)
     buffer, rows = model.replay_buffer, 32 // 4  # two maps of 16 trials
     assert (found.trials, buffer.pos, buffer.full, model.learning_starts) == (32, rows, False, 0)

@@ -147,6 +147,19 @@ class StoppedError(Exception):
     """Stands in for kill -9."""
 
 
+def stop_in(monkeypatch, validation):
+    """Stop trainings in a validation, the first being 1, and no more after it."""
+    gap, calls = train.Validation.gap, []
+
+    def stopping(self, model):
+        calls.append(1)
+        if len(calls) == validation:
+            raise StoppedError
+        return gap(self, model)
+
+    monkeypatch.setattr(train.Validation, "gap", stopping)
+
+
 RESUMED = [
     pytest.param(*case, marks=[] if case[0] in ("PPO", "TD3") else pytest.mark.slow)
     for case in (
@@ -171,15 +184,7 @@ def test_a_training_that_was_stopped_gives_the_policy_of_one_that_was_not(
 ):
     whole, cut = asked(algorithm, regime, out="whole"), asked(algorithm, regime, out="cut")
     train.train(whole)
-    gap, calls = train.Validation.gap, []
-
-    def stopping(self, model):
-        calls.append(1)
-        if len(calls) == 2:
-            raise StoppedError
-        return gap(self, model)
-
-    monkeypatch.setattr(train.Validation, "gap", stopping)
+    stop_in(monkeypatch, 2)
     with pytest.raises(StoppedError):
         train.train(cut)
     assert not cut.out.with_suffix(".json").exists()
@@ -292,10 +297,43 @@ def test_the_files_hold_settings_for_every_algorithm_that_fits():
         assert learner.settings["num_envs"] >= 1
 
 
-def test_curves_are_written_where_they_are_asked_for(asked, tmp_path):
+def drawn(folder):
+    """(step, value) of every curve that TensorBoard draws of the one run in a folder."""
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+    (run,) = folder.iterdir()
+    events = EventAccumulator(str(run)).Reload()
+    return {tag: [(e.step, e.value) for e in events.Scalars(tag)] for tag in events.Tags()["scalars"]}
+
+
+def test_curves_are_of_returns_gaps_and_planner_runs_and_a_training_that_was_stopped_draws_none_twice(
+    asked, monkeypatch, tmp_path
+):
     pytest.importorskip("tensorboard")
-    train.train(asked(tensorboard=tmp_path / "curves"))
-    assert list((tmp_path / "curves").rglob("events.*"))
+    arguments = asked(action="moved", start=(0.25, 0.5, 0.75, 0.5), tensorboard=tmp_path / "curves")
+    stop_in(monkeypatch, 3)
+    with pytest.raises(StoppedError):
+        train.train(arguments)
+    stopped = drawn(tmp_path / "curves")
+    assert [step for step, _ in stopped["rollout/ep_rew_mean"]] == [40, 80]
+    train.train(arguments)
+    curves, history = drawn(tmp_path / "curves"), read_card(arguments.out).history
+    assert curves["validation/gap"] == [(runs, pytest.approx(gap)) for runs, gap in history]
+    assert history[0][0] == 0  # of the start, before it is changed
+    assert curves["time/planner_runs"] == [(runs, runs) for runs in (0, 40, 40, 80, 80, 120, 120, 160, 160)]
+    assert curves["rollout/ep_len_mean"] == [(step, 1) for step in (40, 80, 120, 160)]
+    assert curves["rollout/ep_rew_mean"][0] == stopped["rollout/ep_rew_mean"][0]
+    assert all(
+        -1 <= value < 0 for _, value in curves["rollout/ep_rew_mean"]
+    )  # not times 3, as PPO learns from
+
+
+def test_a_training_that_costs_more_than_was_asked_for_says_so(asked, capsys):
+    told = train.train(asked(evaluations=10))
+    assert "--evaluations 10: PPO spends 40, its least: one update\n" in capsys.readouterr().err
+    assert told["evaluations"] == 40
+    train.train(asked(evaluations=79, out="enough"))
+    assert "--evaluations" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("regime", "size"), [("OneShot", 36), ("Control", 48)])
