@@ -21,7 +21,8 @@ from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.problem import FRESH, GAP_CAP, TuningProblem, run_together
 from antgym.tuning.session import Session
 from experiments import provenance
-from experiments.artefacts import derived_seed, problem, trained_argument
+from experiments.artefact_files import trained_argument
+from experiments.artefacts import derived_seed, problem
 from experiments.orders import ask
 from experiments.stopwatch import DEFAULT, Stopwatch
 

@@ -4,16 +4,21 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from antgym.console import write_whole
+from antgym.tuning.kept import TRIALS
 from antgym.tuning.lines import append, read_fields
 
 ASKED, BROKEN = "asked.txt", "broken.jsonl"
 
 
 def ask(folder: Path, keys: Iterable[str]) -> None:
-    """Note that runs are asked of a ledger, beside those of before; whoever calls holds the ledger open."""
-    before = asked(folder)
+    """Note that runs are asked of a ledger, beside those of before; whoever calls holds the ledger open.
+
+    What was asked of one without a trial is forgotten, for it may have been begun anew with other settings.
+    """
+    trials = folder / TRIALS
+    before = [] if trials.exists() and not trials.stat().st_size else asked(folder)
     more = dict.fromkeys([*before, *keys])
-    if len(more) > len(before):
+    if list(more) != asked(folder):
         write_whole(folder / ASKED, "".join(f"{key}\n" for key in more).encode())
 
 

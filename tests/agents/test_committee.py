@@ -16,7 +16,7 @@ from agents.networks import export
 from agents.policy import PolicyAgent
 from antgym.errors import ParameterError
 from antgym.tuning import tune
-from experiments.artefacts import spent
+from experiments.artefact_files import spent
 from experiments.committee import Arguments, seat
 
 

@@ -10,13 +10,14 @@ pytest.importorskip("safetensors", reason="needs the extra rl")
 
 import agents
 from agents.networks import load
-from agents.published import SHIPPED, beside, find_policy, read_card
+from agents.published import SHIPPED, beside, read_card
+from agents.shipped import find_policy
 from agents.steering import PolicyController
 from antgym.maps.suites import load_suite
 from antgym.tuning import Session, tune
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.run_features import observe_run
-from experiments.artefacts import trained_argument
+from experiments.artefact_files import trained_argument
 
 POLICIES = sorted(path.with_suffix("") for path in SHIPPED.glob("*.safetensors"))
 FLAGSHIPS = {"open-one-shot": "OneShot", "open-trials": "Trials", "open-control": "Control"}

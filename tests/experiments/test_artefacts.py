@@ -10,7 +10,8 @@ from agents.static import StaticByRules, StaticSetting, StaticSettings
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from experiments import leaderboard
-from experiments.artefacts import MADE, files_needed, prepare, problem, trained_argument, trained_hashes
+from experiments.artefact_files import MADE, files_needed, trained_argument, trained_hashes
+from experiments.artefacts import prepare, problem
 from experiments.contest import enter
 from experiments.presets import PRESETS
 

@@ -149,7 +149,7 @@ def test_a_trained_agent_without_its_file_names_the_command_that_makes_it(tmp_pa
         tune.run(arguments(tmp_path, agent="neighbours"))
     with pytest.raises(ParameterError, match=r"is not there.*experiments\.artefacts portfolio --out"):
         tune.run(arguments(tmp_path, agent="portfolio", artefacts=tmp_path))
-    with pytest.raises(ParameterError, match=r"experiments\.train PPO --out \S+/policy; then"):
+    with pytest.raises(ParameterError, match=r"rl:open-one-shot.*experiments\.train PPO --out \S+/policy"):
         tune.run(arguments(tmp_path, agent="rl", artefacts=tmp_path))
 
 
