@@ -107,9 +107,7 @@ def require_there(
     for name in names:
         for path in trained_argument(name, folder).values():
             if path.name not in makes and not path.exists():
-                raise ParameterError(
-                    f"agent {name!r} needs {path}, which is not there; {way_to(name, path, suite)}"
-                )
+                raise ParameterError(f"agent {name!r}: {path} is not there; {way_to(name, path, suite)}")
 
 
 def way_to(name: str, path: Path, suite: str = "") -> str:

@@ -1,6 +1,7 @@
 """Transfer on unseen maps: a tiny measurement from artefacts to tables and pictures."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,6 +30,26 @@ def test_a_tiny_measurement_writes_its_tables_and_pictures(tmp_path):
     for name in ("graph.png", "transfer.png"):
         assert (tmp_path / "out" / name).read_bytes().startswith(b"\x89PNG")
     _goes_on_where_it_stopped(asked, text, numbers)
+    _names_who_cannot_play(asked)
+
+
+def _names_who_cannot_play(asked):
+    """Before anything runs, and in a folder of its own."""
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    for name, message in (
+        ("rl", r"experiments\.train PPO antgym/MountainOneShot-v0 --out"),
+        ("rl_committee", "shipped: rl_committee:open-committee"),
+        ("rl:open-trials", "budgets are 1 or more"),
+    ):
+        other = replace(asked, agents=(*asked.agents, name), out=asked.out / "other")
+        with pytest.raises(ParameterError, match=message):
+            transfer.measure(other)
+        assert not other.out.exists()
+    one = replace(
+        asked, agents=(*asked.agents, "rl:open-one-shot"), out=asked.out / "one", budgets=(0,), fresh=1
+    )
+    assert (0, "rl:open-one-shot") in transfer.measure(one)
 
 
 def _goes_on_where_it_stopped(asked, text, numbers):
@@ -65,5 +86,5 @@ def test_trainings_that_differ_in_their_seed_are_one_agent_too():
 
 
 def test_the_references_of_negative_transfer_must_be_there():
-    with pytest.raises(ParameterError, match="must name copy_best_source and published_default"):
+    with pytest.raises(ParameterError, match="; add copy_best_source and published_default"):
         transfer.measure(Arguments(agents=("transfer_graph",)))

@@ -178,6 +178,8 @@ def test_a_trained_agent_tunes_from_its_folder(tmp_path):
         ({"budget": -1}, "must be 0 or more"),
         ({"fresh": 0}, "at least 1"),
         ({"agent": "optuna_tp"}, "did you mean 'optuna_tpe'"),
+        ({"agent": "open-trials"}, "is followed as 'rl:open-trials'"),
+        ({"agent": "rl:open-trails"}, "did you mean 'rl:open-trials'"),
         ({"rules": "ants"}, "unknown rules"),
         ({"ants": 0}, "ants = 0"),
     ],
