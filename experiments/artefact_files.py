@@ -14,7 +14,7 @@ from agents import committee, ensemble, policy
 from agents.choosing import Committee, members_of
 from agents.experience import Experience
 from agents.graph import TransferGraph
-from agents.published import SHIPPED, beside
+from agents.published import SHIPPED, beside, stem_of
 from agents.shipped import agent_name, find_policy, shipped_names
 from agents.static import StaticSetting, StaticSettings
 from antgym.envs.catalogue import WORLDS
@@ -82,15 +82,15 @@ def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
 
 
 def policy_file(name: str, folder: Path | None) -> Path:
-    """Return the file of a policy, which is named as such or as the agent that follows it, ``rl:NAME``.
+    """Return NAME of a policy's files, which is named as such or as the agent that follows it, ``rl:NAME``.
 
     Raises:
         ParameterError: where there is none; it names the nearest that is shipped, or the nearest agent.
     """
     if name.startswith("rl:"):
         require_there([name], folder)
-        return file_of(name, folder)
-    return find_policy(name, *agents.CATALOGUE)
+        return stem_of(file_of(name, folder))
+    return stem_of(find_policy(name, *agents.CATALOGUE))
 
 
 def require_there(

@@ -290,7 +290,7 @@ def test_the_choice_of_another_swarm_is_told_by_its_parameters(asked):
         asked(action="moved", start_by_policy=Path("open-committee")), env="antgym/BeeOneShot-v0"
     )
     with pytest.raises(
-        ParameterError, match="chooses alpha, .* for ants, and antgym/BeeOneShot-v0 has limit"
+        ParameterError, match=r"chooses alpha, .* for ants, and antgym/BeeOneShot-v0 has limit"
     ):
         train.train(arguments)
 
