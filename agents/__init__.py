@@ -19,6 +19,10 @@ from antgym.errors import MissingExtraError, ParameterError, nearest
 if TYPE_CHECKING:
     from antgym.tuning import Agent
 
+FOLLOWERS = (
+    "agents.policy:PolicyAgent",
+    "agents.committee:CommitteeAgent",
+)  # of files that antgym ships, too
 __all__ = ["CATALOGUE", "Card", "find_card", "make", "to_markdown", "versions"]
 
 
@@ -47,8 +51,8 @@ def make(name: str, **overrides: Any) -> "Agent":
     """Build an agent by name.
 
     Args:
-        name: a key of ``CATALOGUE``, ``"rl:NAME"`` of a policy or ``"rl_committee:NAME"`` of a committee, which
-            are files beside which this runs, or shipped.
+        name: a key of ``CATALOGUE``; ``"rl:NAME"`` of a policy or ``"rl_committee:NAME"`` of a committee, whose file
+            lies where this runs, or is shipped.
         overrides: arguments of the agent's class; a trained agent needs its artefact here (``graph=``,
             ``path=``).
 
@@ -68,7 +72,7 @@ def make(name: str, **overrides: Any) -> "Agent":
 def _own_file(card: Card) -> dict[str, str]:
     """Return the argument that a name behind a colon stands for, where an agent finds a file by its name."""
     own = card.name.partition(":")[2]
-    return {"path": own} if card.trained and own and card.name.startswith("rl") else {}
+    return {"path": own} if own and card.entry_point in FOLLOWERS else {}
 
 
 def _foreign_card(name: str) -> Card | None:

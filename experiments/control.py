@@ -78,8 +78,8 @@ def race(arguments: Arguments) -> str:
     agents.find_card(arguments.against)
     names = list(dict.fromkeys([arguments.against, *arguments.controllers]))
     items, folder = _items(arguments), _folder(arguments)
-    known = [name for name in names if _is_agent(name)]
-    named = [name for name in names if not _is_agent(name) and name != SCHEDULE]
+    known = [name for name in names if name == arguments.against or _is_agent(name)]
+    named = [name for name in names if name not in (*known, SCHEDULE)]
     policies = list(dict.fromkeys(str(policy_file(name, folder)) for name in named))
     require_there(known, folder, arguments.suite, makes=MAKEABLE)
     rehearse(known, folder, items[0], 0)

@@ -164,8 +164,8 @@ def _rehearse(arguments: Arguments, items: Sequence[SuiteItem]) -> None:
     """Raise ParameterError where a file of an agent is missing that no board makes, or a policy cannot be played."""
     names, trained = names_of(arguments), arguments.out / TRAINED
     require_there(names, trained, arguments.suite, makes=MAKEABLE)
-    budgets = [budget for track in _tracks(arguments) for budget in _budgets(track, arguments)]
-    rehearse(names, trained, items[0], min(budgets))
+    rounds = [(track, budget) for track in _tracks(arguments) for budget in _budgets(track, arguments)]
+    rehearse(names, trained, items[0], min(0 if track == "C" else budget for track, budget in rounds))
     rehearse_controllers(_controllers(arguments) if arguments.controllers else (), items[0])
 
 

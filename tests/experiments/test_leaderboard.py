@@ -188,6 +188,7 @@ def test_another_set_of_agents_needs_another_folder(board):
         ),
         ({"agents": ("rl_committee",)}, "shipped: rl_committee:open-committee"),
         ({"agents": ("rl:open-trials",), "track": ("B",)}, "budgets are 1 or more"),
+        ({"agents": ("rl:open-trials",), "track": ("C",)}, "budgets are 1 or more"),
         ({"suite": "no/folder"}, "no such folder"),
         ({"suite": "fleet-v0", "split": "test", "track": ("A", "C")}, "is a fleet, .* leave track C out"),
     ],
