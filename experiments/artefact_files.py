@@ -119,7 +119,7 @@ def way_to(name: str, path: Path, suite: str = "") -> str:
             for one in (agent_name(SHIPPED / stem) for stem in shipped_names())
             if one.startswith(f"{known}:")
         ]
-        close = difflib.get_close_matches(name, shipped, n=1)
+        close = difflib.get_close_matches(name, shipped, n=1) if _own(name) else []
         meant = f"did you mean {close[0]!r}? " if close else ""
         world = world_of(suite)
         make = f"train PPO {f'antgym/{world}OneShot-v0 ' if world else ''}--out {path.with_suffix('')}"

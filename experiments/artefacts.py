@@ -76,7 +76,6 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         ParameterError: where a file was made for another suite or with other sizes than the preset's; one that was put
             there by hand is taken as it is.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     steps: dict[str, Callable[[Path], Any]] = {
         "static.json": lambda path: _race(race, suite, preset).save(path),
         "static_by_rules.json": lambda path: _race(race_by_rules, suite, preset).save(path),
@@ -88,6 +87,7 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
     wanted = files_needed(names)
     require_there(names, folder, suite, makes=steps)
     _require_made(folder, wanted, _origin(suite, preset))
+    folder.mkdir(parents=True, exist_ok=True)
     for name, make in steps.items():
         if name in wanted and not (folder / name).exists():
             _note_made(folder, name, _origin(suite, preset))

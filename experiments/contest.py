@@ -196,7 +196,7 @@ def play_missing(
         alike: only jobs for which this is equal are played together.
     """
     missing, asked = [], list(todo)
-    ask(ledger.folder, [job.key for job in asked])
+    ask(ledger.folder, [job.key for job in asked], anew=ledger.renewed)
     for job in asked:
         if ledger.run(job.key).outcome is None:
             missing.append(job)

@@ -4,21 +4,22 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from antgym.console import write_whole
-from antgym.tuning.kept import TRIALS
 from antgym.tuning.lines import append, read_fields
 
 ASKED, BROKEN = "asked.txt", "broken.jsonl"
 
 
-def ask(folder: Path, keys: Iterable[str]) -> None:
+def ask(folder: Path, keys: Iterable[str], *, anew: bool = False) -> None:
     """Note that runs are asked of a ledger, beside those of before; whoever calls holds the ledger open.
 
-    What was asked of one without a trial is forgotten, for it may have been begun anew with other settings.
+    Args:
+        folder: of the ledger.
+        keys: of the runs.
+        anew: whether those of before do not count: they were of other settings, and none of them ran.
     """
-    trials = folder / TRIALS
-    before = [] if trials.exists() and not trials.stat().st_size else asked(folder)
+    before = [] if anew else asked(folder)
     more = dict.fromkeys([*before, *keys])
-    if list(more) != asked(folder):
+    if anew or len(more) > len(before):
         write_whole(folder / ASKED, "".join(f"{key}\n" for key in more).encode())
 
 

@@ -180,6 +180,11 @@ class Ledger:
         """In which the ledger was begun, and in which it goes on."""
         return self._manifest.schema
 
+    @property
+    def renewed(self) -> bool:
+        """Whether the folder was begun with another config, of which nothing ran, and nothing ran since."""
+        return self._manifest.renewed and not self._begun()
+
     def run(self, key: str) -> LedgerRun:
         """Return the run of this key, with what is recorded of it."""
         if key not in self._runs:

@@ -48,6 +48,7 @@ class Manifest:
 
     Attributes:
         fields: as they lie in the folder.
+        renewed: whether the folder was begun with another config before.
 
     Raises:
         LedgerError: if the folder belongs to another config or schema, or its manifest is damaged.
@@ -64,6 +65,7 @@ class Manifest:
     ) -> None:
         self._folder, self._versions = folder, dict(versions)
         begun = read_manifest(folder) if (folder / MANIFEST).exists() else None  # what is damaged is refused
+        self.renewed = anew and begun is not None and begun["config"] != _plain(config)
         if anew or begun is None:
             self.fields = {"schema": SCHEMA, "config": _plain(config), "versions": self._versions, **facts}
             self._write()

@@ -278,9 +278,9 @@ def test_a_folder_in_which_nothing_ran_is_begun_anew(tmp_path):
     other = {"budget": 10}
     with opened(tmp_path, other) as ledger:
         ledger.pin({"graph.json": "bb"})
-        ask(tmp_path, ["c"])
+        ask(tmp_path, ["c"], anew=ledger.renewed)
         ledger.run("c").append([record(0)])
-        ask(tmp_path, ["d"])
+        ask(tmp_path, ["d"], anew=ledger.renewed)
     assert asked(tmp_path) == ["c", "d"]
     with pytest.raises(LedgerError, match="begun with other settings"):
         opened(tmp_path)
