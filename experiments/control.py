@@ -118,6 +118,11 @@ def _items(arguments: Arguments) -> list[SuiteItem]:
         if value is not None and value < 1:
             raise ParameterError(f"--{name} {value}: needs at least one")
     items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
+    if len(items) < 2:
+        raise ParameterError(
+            f"--suite {arguments.suite} --split {arguments.split}: {len(items)} map, and intervals are over maps; "
+            "take two at least"
+        )
     return steerable(items)
 
 

@@ -102,6 +102,11 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
     """Let every agent tune every target at every budget; what the ledger holds already is not run again."""
     _check(arguments)
     items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
+    if len(items) < 2:
+        raise ParameterError(
+            f"--suite {arguments.suite} --split {arguments.split}: {len(items)} map, and intervals are over maps; "
+            "take two at least"
+        )
     require_there(arguments.agents, arguments.artefacts, arguments.suite)
     rehearse(arguments.agents, arguments.artefacts, items[0], min(arguments.budgets))
     paid = spent(arguments.artefacts, arguments.agents)

@@ -148,6 +148,7 @@ def test_a_policy_that_was_changed_meanwhile_is_refused(asked, tmp_path):
         (("rl_committee",), {}, "shipped: rl_committee:open-committee"),
         (("open-control",), {"suite": "tabu-bee-v0"}, r"picks \['alpha'.* the task has \['limit'"),
         ((), {"seeds": 0}, "--seeds 0"),
+        ((), {"maps": 1}, "--suite mountain-v0 --split test: 1 map, .* two at least"),
         ((), {"against": "best_statics"}, "unknown agent 'best_statics'"),
         (("schedule",), {"suite": "no-v0"}, "no-v0"),
         ((), {"suite": "fleet-v0"}, "is a fleet"),

@@ -1,7 +1,9 @@
 """Transfer on unseen maps: a tiny measurement from artefacts to tables and pictures."""
 
 import json
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -88,3 +90,12 @@ def test_trainings_that_differ_in_their_seed_are_one_agent_too():
 def test_the_references_of_negative_transfer_must_be_there():
     with pytest.raises(ParameterError, match="; add copy_best_source and published_default"):
         transfer.measure(Arguments(agents=("transfer_graph",)))
+
+
+def test_a_folder_of_one_map_is_too_little_to_measure_on(tmp_path):
+    (tmp_path / "test").mkdir()
+    docs = Path(transfer.__file__).parents[1] / "docs"
+    shutil.copy(docs / "hills.asc", tmp_path / "test")
+    (tmp_path / "suite.toml").write_text("scenarios = 1\n")
+    with pytest.raises(ParameterError, match=r"--split test: 1 map, .* two at least"):
+        transfer.measure(Arguments(suite=str(tmp_path), split="test", out=tmp_path / "out"))
