@@ -12,11 +12,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agents.catalogue import CATALOGUE, Card
+from agents.published import SHIPPED, beside, stem_of
+from agents.shipped import agent_name, shipped_names
 from antgym.errors import MissingExtraError, ParameterError, nearest
 
 if TYPE_CHECKING:
     from antgym.tuning import Agent
 
+FOLLOWERS = (
+    "agents.policy:PolicyAgent",
+    "agents.committee:CommitteeAgent",
+)  # of files that antgym ships, too
 __all__ = ["CATALOGUE", "Card", "find_card", "make", "to_markdown", "versions"]
 
 
@@ -24,7 +30,7 @@ def find_card(name: str) -> Card:
     """Return an agent's card; ParameterError names the nearest known agent.
 
     A trained agent may be named with a file of its own behind a colon: ``"rl:NAME"`` is ``rl`` by another name, which
-    harnesses give NAME.json. So policies of several trainings take part beside each other.
+    harnesses give NAME.json. So policies of several trainings take part beside each other, and shipped ones by name.
 
     ``"path/to/my_agent.py:MyAgent"`` is an agent of one's own, or of a stranger, which is played in a process of its
     own; the folder of a submission is what was submitted.
@@ -32,6 +38,10 @@ def find_card(name: str) -> Card:
     if name not in CATALOGUE and (foreign := _foreign_card(name)):
         return foreign
     known, _, file = name.partition(":")
+    if name in shipped_names():
+        raise ParameterError(
+            f"unknown agent {name!r}; the shipped {name} is followed as {agent_name(SHIPPED / name)!r}"
+        )
     if known not in CATALOGUE or (":" in name and not (file and CATALOGUE[known].trained)):
         raise ParameterError(f"unknown agent {name!r}; {nearest(name, tuple(CATALOGUE))}")
     return CATALOGUE[known]._replace(name=name)
@@ -41,7 +51,8 @@ def make(name: str, **overrides: Any) -> "Agent":
     """Build an agent by name.
 
     Args:
-        name: a key of ``CATALOGUE``.
+        name: a key of ``CATALOGUE``; ``"rl:NAME"`` of a policy or ``"rl_committee:NAME"`` of a committee, whose file
+            lies where this runs, or is shipped.
         overrides: arguments of the agent's class; a trained agent needs its artefact here (``graph=``,
             ``path=``).
 
@@ -52,10 +63,16 @@ def make(name: str, **overrides: Any) -> "Agent":
     card = find_card(name)
     module, _, attribute = card.entry_point.partition(":")
     build = getattr(import_module(module), attribute)
-    kwargs = {**card.kwargs, **overrides}
+    kwargs = {**_own_file(card), **card.kwargs, **overrides}
     _check_arguments(name, build, kwargs)
     agent: Agent = build(**kwargs)
     return agent
+
+
+def _own_file(card: Card) -> dict[str, str]:
+    """Return the argument that a name behind a colon stands for, where an agent finds a file by its name."""
+    own = card.name.partition(":")[2]
+    return {"path": own} if own and card.entry_point in FOLLOWERS else {}
 
 
 def _foreign_card(name: str) -> Card | None:
@@ -66,6 +83,11 @@ def _foreign_card(name: str) -> Card | None:
         file, kind, summary = find_class(name)
         made_with = {"file": str(file), "kind": kind}
         return Card(name, "agents.stranger:Stranger", made_with, summary, files=(file,))
+    if beside(stem := stem_of(name), ".json").is_file() and not Path(name).is_dir():
+        raise ParameterError(
+            f"unknown agent {name!r}; what is in this file is followed as {agent_name(stem)!r}, with the artefacts of "
+            f"the folder {stem.parent}"
+        )
     if "/" in name or Path(name).is_dir():
         from agents.submission import card_of
 

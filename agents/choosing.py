@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 
 from agents import artefact
 from agents.networks import load
-from agents.published import NAME, SHIPPED, PolicyCard, beside, read_card, stem_of
+from agents.published import COMMITTEE, FORMAT, NAME, SHIPPED, PolicyCard, beside, read_card, stem_of
 from antgym.errors import ParameterError
 from antgym.tuning import Choice, Start, settings_of
 
 Floats = NDArray[np.float64]
-FORMAT = "antgym committee 1"
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,8 @@ class Committee:
     """Who sits on it.
 
     Attributes:
-        members: names of published policies, NAME.json and NAME.safetensors in the folder of the committee's file.
+        members: names of published policies, NAME.json and NAME.safetensors in the folder of the committee's file; of
+            shipped ones where that has none of this name.
 
     Raises:
         ParameterError: where there is none, one is named twice, or a name leads out of the folder.
@@ -47,29 +47,48 @@ class Committee:
 
     def save(self, path: str | Path) -> None:
         """Write it as JSON; a file of that name is replaced at once or not at all."""
-        artefact.save(path, FORMAT, {"members": self.members})
+        artefact.save(path, COMMITTEE, {"members": self.members})
 
     @classmethod
     def load(cls, path: str | Path) -> "Committee":
         """Read it; ParameterError names the file and what is wrong with it."""
-        return artefact.load(path, FORMAT, cls)
+        file = Path(path)
+        if file.is_file() and _form_of(file) == FORMAT:
+            raise ParameterError(
+                f"{file}: is a policy, which 'rl' follows, and no committee; where agents are named, it is "
+                f"rl:{file.stem}"
+            )
+        return artefact.load(file, COMMITTEE, cls)
+
+    @classmethod
+    def seats(cls, path: str | Path) -> list[Path]:
+        """Return the paths of the members of the committee in a file."""
+        return [_seat(Path(path).parent, name) for name in cls.load(path).members]
 
     @classmethod
     def evaluations(cls, path: str | Path) -> int:
         """Return the planner runs of all its members' trainings."""
-        return spent_on([Path(path).parent / name for name in cls.load(path).members])
+        return spent_on(cls.seats(path))
+
+
+def _seat(folder: Path, name: str) -> Path:
+    places = [place / name for place in (folder, SHIPPED) if beside(place / name, ".json").is_file()]
+    return places[0] if places else folder / name
+
+
+def _form_of(file: Path) -> Any:
+    """Return the format that a JSON file names; ParameterError where it cannot be read."""
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise ParameterError(f"{file}: neither a policy nor a committee ({error})") from None
+    return content.get("format") if isinstance(content, dict) else None
 
 
 def members_of(path: str | Path) -> list[Path]:
     """Return the policies behind a file: those of a committee, or the one that it is."""
     file = beside(stem_of(path), ".json")
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise ParameterError(f"{file}: neither a policy nor a committee ({error})") from None
-    if isinstance(content, dict) and content.get("format") == FORMAT:
-        return [file.parent / name for name in Committee.load(file).members]
-    return [stem_of(path)]
+    return Committee.seats(file) if _form_of(file) == COMMITTEE else [stem_of(path)]
 
 
 def choice_of(path: str | Path) -> Choice:
@@ -82,7 +101,10 @@ def choice_of(path: str | Path) -> Choice:
     for member in members_of(path):
         card, network = load(member)
         if card.regime != "OneShot" or card.map is not None:
-            raise ParameterError(f"{member}: chooses by more than the features of a task in OneShot")
+            raise ParameterError(
+                f"{member}: is a policy of {card.regime} that sees {card.observation}; what others begin from is "
+                "chosen by one of OneShot that sees features, or by a committee of such"
+            )
         networks.append((member, card, network))
     return lambda features: np.asarray(np.mean([_picked(*one, features) for one in networks], axis=0))
 

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from agents.choosing import Committee
 from agents.policy import PolicyAgent, shipped
+from agents.published import beside, stem_of
+from agents.shipped import find_policy
 from antgym.errors import ParameterError
 from antgym.tuning import Task
 
@@ -21,16 +23,15 @@ class CommitteeAgent:
     """Recommend the mean of what published policies of OneShot recommend, without a trial.
 
     Args:
-        path: the committee's file; the shipped one where there is none.
+        path: the committee's file, or the name of one that is shipped; by default the shipped one.
 
     Raises:
         ParameterError: where a file is missing or damaged, or a member is no policy of OneShot.
     """
 
     def __init__(self, path: str | Path | None = None) -> None:
-        self.path = shipped(FLAGSHIP).with_suffix(".json") if path is None else Path(path)
-        folder = self.path.parent
-        self._members = [PolicyAgent(folder / name) for name in Committee.load(self.path).members]
+        self.path = beside(stem_of(shipped(FLAGSHIP) if path is None else find_policy(path)), ".json")
+        self._members = [PolicyAgent(member) for member in Committee.seats(self.path)]
         for member in self._members:
             if member.card.regime != "OneShot":
                 raise ParameterError(

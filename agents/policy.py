@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from agents.choosing import start_in
 from agents.networks import Player, load
 from agents.published import SHIPPED, PolicyCard
+from agents.shipped import find_policy
 from antgym.errors import ParameterError, nearest
 from antgym.tuning import Task, Trial, incumbent, moved, observe, observe_with_map, settings_of, starts_of
 
@@ -25,7 +26,8 @@ class PolicyAgent:
     running anything of them.
 
     Args:
-        path: NAME of NAME.json and NAME.safetensors, or either file; the shipped ``policy`` where there is none.
+        path: NAME of NAME.json and NAME.safetensors, either file, or the name of a policy that is shipped; None for the
+            shipped ``policy``.
         policy: name of a shipped policy.
 
     Attributes:
@@ -36,7 +38,7 @@ class PolicyAgent:
     """
 
     def __init__(self, path: str | Path | None = None, *, policy: str = FLAGSHIP) -> None:
-        self.path = shipped(policy) if path is None else Path(path)
+        self.path = shipped(policy) if path is None else find_policy(path)
         self.card, self._network = load(self.path)
         if self.card.regime == "Control":
             raise ParameterError(
@@ -47,7 +49,10 @@ class PolicyAgent:
     def reset(self, task: Task, *, seed: int) -> None:  # noqa: ARG002 - a deterministic policy
         """Look at the task; ParameterError where the policy was trained on another observation or other parameters."""
         if self.card.regime == "Trials" and task.budget == 0:
-            raise ParameterError(f"{self.path}: picks trials, but the task's budget is 0")
+            raise ParameterError(
+                f"{self.path}: picks trials, but the task's budget is 0; a policy of Trials is played where "
+                "budgets are 1 or more"
+            )
         require_parameters(self.path, self.card, task)
         self._task, self._player = task, Player(self._network)
         self._trials: list[Trial] = []

@@ -15,7 +15,7 @@ from typing import Any, Literal
 from agents.artefact import write_whole
 from antgym.errors import ParameterError
 
-FORMAT = "antgym policy 1"
+FORMAT, COMMITTEE = "antgym policy 1", "antgym committee 1"
 REGIMES = ("OneShot", "Trials", "Control")
 OBSERVATIONS = ("features", "map2d", "map3d")
 ACTIONS = ("setting", "moved", "each", "one")
@@ -177,14 +177,6 @@ def beside(stem: Path, suffix: str) -> Path:
     return stem.with_name(stem.name + suffix)
 
 
-def find_policy(path: str | Path) -> Path:
-    """Return the path of a policy, as it is given, or that of the shipped one of this name where there is no file."""
-    given, stem = Path(path), stem_of(path)
-    shipped = SHIPPED / stem.name
-    named = stem == Path(stem.name) and not beside(stem, ".json").exists()
-    return shipped if named and beside(shipped, ".json").is_file() else given
-
-
 def read_card(path: str | Path) -> PolicyCard:
     """Return the card of a published policy.
 
@@ -200,7 +192,13 @@ def read_card(path: str | Path) -> PolicyCard:
         raise ParameterError(f"{file}: cannot be read ({error.strerror})") from None
     except (ValueError, RecursionError) as error:
         raise ParameterError(f"{file}: no JSON ({error})") from None
-    if not isinstance(content, dict) or content.pop("format", None) != FORMAT:
+    form = content.pop("format", None) if isinstance(content, dict) else None
+    if form == COMMITTEE:
+        raise ParameterError(
+            f"{file}: is a committee, which 'rl_committee' follows, and no policy; where agents are named, it is "
+            f"rl_committee:{file.stem}"
+        )
+    if form != FORMAT:
         raise ParameterError(f"{file}: field 'format' is not {FORMAT!r}; export the policy anew")
     known = {each.name: each for each in fields(PolicyCard)}
     for name in content:

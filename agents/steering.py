@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from agents.choosing import start_in
 from agents.networks import Player, load
 from agents.policy import require_parameters, require_shape
-from agents.published import find_policy
+from agents.shipped import find_policy
 from antgym.errors import ParameterError
 from antgym.tuning import Agent, Task, changed, moved, settings_of, starts_of
 

@@ -20,7 +20,7 @@ import tyro
 import agents
 from antgym.console import main, parse
 from antgym.errors import ParameterError
-from experiments.artefacts import spent
+from experiments.artefact_files import spent
 from experiments.tables.sheet import new_figure, publish, table
 
 MOST_MAPS = 1e6  # that the picture shows

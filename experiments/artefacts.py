@@ -19,16 +19,13 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
-from agents import committee, ensemble, policy
-from agents.choosing import Committee
+from agents import ensemble
 from agents.ensemble import Ensemble
 from agents.experience import Experience
 from agents.fitting import trials_needed
 from agents.graph import TransferGraph
-from agents.published import SHIPPED
-from agents.static import StaticSetting, StaticSettings, race, race_by_rules
+from agents.static import race, race_by_rules
 from antgym.console import main, parse, progress, write_whole
-from antgym.envs.catalogue import WORLDS
 from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem
@@ -36,14 +33,13 @@ from antgym.planners.planning import are_bees
 from antgym.tuning.features import task_table
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session
-from experiments import provenance, train
+from experiments import train
+from experiments.artefact_files import MADE, TRAINED, files_needed, require_there, spent, world_of
 from experiments.presets import PRESETS, Preset
 from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
 _T = TypeVar("_T")
-TRAINED = Path("out/trained")
-MADE = "made.json"
 SIZES = (
     "policy_evaluations",
     "sources",
@@ -57,22 +53,6 @@ SIZES = (
 REPEATS = 5  # runs of each set of the transfer graph on each of its maps
 EXPERIENCE_REPEATS = 2  # runs of each setting of the experience: maps teach more than repeats
 MOST_SETTINGS = 256  # of the experience
-ARGUMENTS = {
-    "agents.static:StaticAgent": ("setting", "static.json"),
-    "agents.static:StaticByRules": ("settings", "static_by_rules.json"),
-    "agents.transfer:TransferAgent": ("graph", "graph.json"),
-    "agents.portfolio:PortfolioAgent": ("experience", "experience.json"),
-    "agents.neighbours:NeighbourAgent": ("experience", "experience.json"),
-    "agents.regression:ForestAgent": ("experience", "experience.json"),
-    "agents.regression:EnsembleAgent": ("ensemble", "neural.json"),
-    "agents.warm_start:WarmCmaEs": ("experience", "experience.json"),
-    "agents.transfer_gp:TransferGP": ("experience", "experience.json"),
-    "agents.policy:PolicyAgent": ("path", "policy.json"),
-    "agents.committee:CommitteeAgent": ("path", "committee.json"),
-}
-"""Which argument of a trained agent takes which file."""
-FLAGSHIPS = {"policy.json": f"{policy.FLAGSHIP}.json", "committee.json": f"{committee.FLAGSHIP}.json"}
-"""Which of these files come with antgym, and by what name."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +76,6 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         ParameterError: where a file was made for another suite or with other sizes than the preset's; one that was put
             there by hand is taken as it is.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     steps: dict[str, Callable[[Path], Any]] = {
         "static.json": lambda path: _race(race, suite, preset).save(path),
         "static_by_rules.json": lambda path: _race(race_by_rules, suite, preset).save(path),
@@ -106,14 +85,13 @@ def prepare(folder: Path, suite: str, preset: Preset, names: Sequence[str]) -> d
         "policy.json": lambda path: _train(path, suite, preset),
     }
     wanted = files_needed(names)
+    require_there(names, folder, suite, makes=steps)
     _require_made(folder, wanted, _origin(suite, preset))
+    folder.mkdir(parents=True, exist_ok=True)
     for name, make in steps.items():
         if name in wanted and not (folder / name).exists():
             _note_made(folder, name, _origin(suite, preset))
             make(folder / name)
-    for name in wanted:
-        if not (folder / name).exists():
-            raise ParameterError(f"{folder / name} is not there; what has a name of its own is trained apart")
     return spent(folder, names)
 
 
@@ -148,53 +126,6 @@ def _require_made(folder: Path, names: Iterable[str], origin: dict[str, str | in
                 f"{folder / name} was made with {told}; remove it, use another folder, or ask for the suite and the "
                 "preset that it was made with"
             )
-
-
-def trained_hashes(folder: Path) -> dict[str, str]:
-    """Return the hashes of the files that agents were trained to, by name, which a ledger is tied to."""
-    return {path.name: provenance.file_hash(path) for path in sorted(folder.iterdir()) if path.name != MADE}
-
-
-def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:
-    """Return what the training of each file that these agents need has spent; ParameterError where one is missing."""
-    evaluations: dict[str, Callable[[Path], int]] = {
-        "static.json": lambda path: StaticSetting.load(path).evaluations,
-        "static_by_rules.json": lambda path: StaticSettings.load(path).evaluations,
-        "graph.json": lambda path: TransferGraph.load(path).evaluations,
-        "experience.json": lambda path: Experience.load(path).evaluations,
-        "neural.json": lambda path: ensemble.read_card(path).evaluations,
-        "policy.json": _policy_evaluations,
-        "committee.json": Committee.evaluations,
-    }
-    return {name: evaluations[kind](folder / name) for name, kind in sorted(files_needed(names).items())}
-
-
-def files_needed(names: Sequence[str]) -> dict[str, str]:
-    """Return the files that these agents need, and by what name each is known where it has none of its own."""
-    cards = [card for card in map(agents.find_card, names) if card.trained]
-    kinds = [ARGUMENTS[card.entry_point][1] for card in cards]
-    return {_file(card.name, kind): kind for card, kind in zip(cards, kinds, strict=True)}
-
-
-def _file(name: str, kind: str) -> str:
-    own = name.partition(":")[2]
-    return f"{own}.json" if own else kind
-
-
-def trained_argument(name: str, folder: Path | None) -> dict[str, Path]:
-    """Return the keyword argument by which an agent finds its file; empty where it needs none.
-
-    Without a folder it is what comes with antgym, for ``rl``, ``rl:NAME`` and ``rl_committee``, or a file of TRAINED.
-    """
-    card = agents.find_card(name)
-    if not card.trained:
-        return {}
-    argument, kind = ARGUMENTS[card.entry_point]
-    file = _file(name, kind)
-    shipped = SHIPPED / FLAGSHIPS.get(file, file)
-    if folder is None and shipped.exists():
-        return {argument: shipped}
-    return {argument: (folder or TRAINED) / file}
 
 
 def derived_seed(*parts: str | int) -> int:
@@ -275,17 +206,10 @@ def _fit_nets(experience: Experience) -> Ensemble:
 
 def _train(card: Path, suite: str, preset: Preset) -> None:
     """Train a policy on the world of a suite, its settings those of the regime's file."""
-    worlds = [world for world, its in WORLDS.items() if its == suite]
-    env, kwargs = (
-        f"antgym/{(worlds or ['Mountain'])[0]}OneShot-v0",
-        json.dumps({} if worlds else {"suite": suite}),
-    )
+    world = world_of(suite)
+    env, kwargs = f"antgym/{world or 'Mountain'}OneShot-v0", json.dumps({} if world else {"suite": suite})
     evaluations, out = preset.policy_evaluations, card.with_suffix("")
     train.train(train.Arguments("PPO", env, evaluations=evaluations, out=out, kwargs=kwargs))
-
-
-def _policy_evaluations(card: Path) -> int:
-    return int(json.loads(card.read_text(encoding="utf-8"))["evaluations"])
 
 
 def make_artefacts(arguments: Arguments) -> None:

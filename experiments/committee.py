@@ -2,7 +2,8 @@
 
     python -m experiments.committee out/open/ppo-1 out/open/ppo-2 out/open/ppo-3
 
-writes out/open/committee.json, which names them.
+writes out/open/committee.json, which names them. Shipped policies are named without a folder; where all are shipped, it
+is out/trained/committee.json.
 """
 
 from dataclasses import dataclass
@@ -13,28 +14,35 @@ import tyro
 
 from agents.choosing import Committee
 from agents.committee import CommitteeAgent
-from agents.published import stem_of
+from agents.published import SHIPPED, stem_of
+from agents.shipped import find_policy
 from antgym.console import main, parse
 from antgym.errors import ParameterError
+from experiments.artefact_files import COMMITTEE, TRAINED
 
-FILE = "committee.json"
+PROG = "python -m experiments.committee"
 
 
 @dataclass(frozen=True)
 class Arguments:
-    """Seat a committee of published policies of OneShot, all in one folder."""
+    """Seat a committee of published policies of OneShot, all in one folder or shipped."""
 
     policies: Annotated[tuple[Path, ...], tyro.conf.Positional]
-    """NAME of NAME.json and NAME.safetensors, each as experiments.train --out wrote it."""
+    """NAME of NAME.json and NAME.safetensors, each as experiments.train --out wrote it, or of a shipped one."""
 
 
 def seat(arguments: Arguments) -> Path:
     """Write the committee's file and return it, once all of its members can be read."""
-    folders = {path.parent for path in arguments.policies}
-    if len(folders) != 1:
+    if not arguments.policies:
+        raise ParameterError(f"name the policies that sit on it, as: {PROG} out/open/ppo-1 out/open/ppo-2")
+    stems = [stem_of(find_policy(policy)) for policy in arguments.policies]
+    folders = {stem.parent for stem in stems if stem.parent.absolute() != SHIPPED.absolute()}
+    if len(folders) > 1:
         raise ParameterError(f"a committee sits in one folder; these are in {sorted(map(str, folders))}")
-    path = folders.pop() / FILE
-    Committee(tuple(stem_of(policy).name for policy in arguments.policies)).save(path)
+    folder = folders.pop() if folders else TRAINED
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / COMMITTEE
+    Committee(tuple(stem.name for stem in stems)).save(path)
     try:
         CommitteeAgent(path)
     except ParameterError:
@@ -44,4 +52,4 @@ def seat(arguments: Arguments) -> Path:
 
 
 if __name__ == "__main__":
-    main(lambda: print(f"written: {seat(parse(Arguments, None, 'python -m experiments.committee'))}"))
+    main(lambda: print(f"written: {seat(parse(Arguments, None, PROG))}"))

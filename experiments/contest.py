@@ -21,7 +21,8 @@ from antgym.tuning.ledger import Ledger, LedgerRun, Outcome
 from antgym.tuning.problem import FRESH, GAP_CAP, TuningProblem, run_together
 from antgym.tuning.session import Session
 from experiments import provenance
-from experiments.artefacts import derived_seed, problem, trained_argument
+from experiments.artefact_files import trained_argument
+from experiments.artefacts import derived_seed, problem
 from experiments.orders import ask
 from experiments.stopwatch import DEFAULT, Stopwatch
 
@@ -195,7 +196,7 @@ def play_missing(
         alike: only jobs for which this is equal are played together.
     """
     missing, asked = [], list(todo)
-    ask(ledger.folder, [job.key for job in asked])
+    ask(ledger.folder, [job.key for job in asked], anew=ledger.renewed)
     for job in asked:
         if ledger.run(job.key).outcome is None:
             missing.append(job)

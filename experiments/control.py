@@ -5,7 +5,8 @@
 plays every controller on the maps of a split, one run of ten blocks per map and seed, all at the same effort and on
 the same seeds, which no training and no other harness uses. What is raced is an agent of the catalogue, whose
 recommendation without a trial then stays; ``schedule``, the best one of the suite's card on top of the setting of
-``--against``; or a policy, its file or the name of a shipped one: one of Control steers, one of OneShot chooses once.
+``--against``; or a policy, its file, ``rl:NAME`` or the name of a shipped one: one of Control steers, one of OneShot
+chooses once.
 Files that differ in a number at the end, as out/steer-1 and out/steer-2, are shown together, too. Stopped, the same
 command goes on; with more controllers, it plays those that are new.
 """
@@ -25,9 +26,11 @@ from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
 from antgym.tuning.ledger import Ledger
 from experiments import provenance
-from experiments.artefacts import prepare, trained_hashes
+from experiments.artefact_files import MAKEABLE, policy_file, require_there, trained_hashes
+from experiments.artefacts import prepare
 from experiments.contest import enter
 from experiments.presets import PRESETS
+from experiments.rehearsal import rehearse, rehearse_controllers
 from experiments.statistics import cluster_interval, paired_difference
 from experiments.steering import (
     SCHEDULE,
@@ -50,7 +53,8 @@ class Arguments:
     """Race controllers, or go on with a race that was stopped."""
 
     controllers: Annotated[tuple[str, ...], tyro.conf.Positional] = ("published_default", STATIC, SCHEDULE)
-    """Agents of the catalogue, "schedule", and policies of Control or OneShot: files, or names of shipped ones."""
+    """Agents of the catalogue, "schedule", and policies of Control or OneShot: files, rl:NAME of one in the folder of
+    trained agents' files, or names of shipped ones."""
     suite: str = "open-v0"
     """Suite of the maps."""
     split: Literal["validation", "test", "ood"] = "test"
@@ -73,7 +77,13 @@ def race(arguments: Arguments) -> str:
     """Play what is missing, write the table and return it."""
     agents.find_card(arguments.against)
     names = list(dict.fromkeys([arguments.against, *arguments.controllers]))
-    items = _items(arguments)
+    items, folder = _items(arguments), _folder(arguments)
+    known = [name for name in names if name == arguments.against or _is_agent(name)]
+    named = [name for name in names if name not in (*known, SCHEDULE)]
+    policies = list(dict.fromkeys(str(policy_file(name, folder)) for name in named))
+    require_there(known, folder, arguments.suite, makes=MAKEABLE)
+    rehearse(known, folder, items[0], 0)
+    rehearse_controllers(policies, items[0])
     config = {
         "code": provenance.code_hash(*provenance.CONTEST),
         "suite": arguments.suite,
@@ -81,12 +91,10 @@ def race(arguments: Arguments) -> str:
         "maps": [item.scenario.digest[:16] for item in items],
         "seeds": arguments.seeds,
     }
-    known = [name for name in names if name in agents.CATALOGUE]
-    policies = [name for name in names if name not in agents.CATALOGUE and name != SCHEDULE]
     versions = provenance.versions([*known, *(["rl"] if policies else [])])
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
         entrants = _entrants(arguments, known, policies, schedule=SCHEDULE in names)
-        ledger.pin(_hashes(arguments, policies))
+        ledger.pin(trained_hashes(folder, known) | policy_hashes(policies))
         todo = [Job(e, item, seed) for e in entrants for item in items for seed in range(arguments.seeds)]
         with progress(f"{len(entrants)} controllers, {len(items)} maps", len(todo)) as advance:
             play(todo, ledger, advance)
@@ -95,27 +103,36 @@ def race(arguments: Arguments) -> str:
     return table
 
 
+def _is_agent(name: str) -> bool:
+    """Whether what is raced is an agent of the catalogue; ``rl:NAME`` is the policy, which may be one that steers."""
+    return name.partition(":")[0] in agents.CATALOGUE and not name.startswith("rl:")
+
+
+def _folder(arguments: Arguments) -> Path:
+    return arguments.artefacts or arguments.out / "trained"
+
+
 def _items(arguments: Arguments) -> list[SuiteItem]:
     for name in ("seeds", "maps"):
         value = getattr(arguments, name)
         if value is not None and value < 1:
             raise ParameterError(f"--{name} {value}: needs at least one")
     items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
+    if len(items) < 2:
+        raise ParameterError(
+            f"--suite {arguments.suite} --split {arguments.split}: {len(items)} map, and intervals are over maps; "
+            "take two at least"
+        )
     return steerable(items)
 
 
 def _entrants(
     arguments: Arguments, known: Sequence[str], policies: Sequence[str], *, schedule: bool
 ) -> list[Entrant]:
-    folder = arguments.artefacts or arguments.out / "trained"
+    folder = _folder(arguments)
     spent = prepare(folder, arguments.suite, PRESETS[arguments.preset], known)
     changes = card_schedule(arguments.suite) if schedule else None
     return controllers(enter(known, folder, spent), policies, arguments.against, changes)
-
-
-def _hashes(arguments: Arguments, policies: Sequence[str]) -> dict[str, str]:
-    folder = arguments.artefacts or arguments.out / "trained"
-    return trained_hashes(folder) | policy_hashes(policies)
 
 
 def gaps_of(entrant: Entrant, items: Sequence[SuiteItem], seeds: int, ledger: Ledger) -> NDArray[np.float64]:

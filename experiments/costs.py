@@ -25,7 +25,8 @@ from antgym.tuning.ledger import TIMING
 from antgym.tuning.lines import read_fields
 from antgym.tuning.problem import TRIAL, TuningProblem
 from experiments import contest, leaderboard
-from experiments.artefacts import REPEATS, files_needed, problem
+from experiments.artefact_files import files_needed
+from experiments.artefacts import REPEATS, problem
 from experiments.presets import Preset
 from experiments.tables.sheet import table
 from experiments.tracks import Job, Round, agents_in, read_key

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 import agents
 from agents.policy import PolicyAgent
+from agents.published import stem_of
+from agents.shipped import find_policy
 from antgym.console import main, parse, progress, write_whole
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.maps.features import Feature
@@ -47,7 +49,8 @@ class Arguments:
     """Explain what an agent recommends on maps of a suite."""
 
     agent: Annotated[str, tyro.conf.Positional]
-    """An agent of the catalogue, or the file of a published policy of OneShot."""
+    """An agent of the catalogue, rl:NAME among them, or a published policy of OneShot: its file, or the name of a
+    shipped one."""
     suite: str = "open-v0"
     """Suite of the maps."""
     split: Literal["train", "validation", "test", "ood"] = "test"
@@ -243,13 +246,19 @@ def _draw_effort(
     axis.legend()
 
 
+def _find(arguments: Arguments) -> tuple[Agent, str]:
+    """Return the agent or the policy that is asked for, and its name."""
+    if arguments.agent.partition(":")[0] in agents.CATALOGUE:
+        return find_agent(arguments.agent, arguments.artefacts), arguments.agent
+    policy = PolicyAgent(find_policy(arguments.agent, *agents.CATALOGUE))
+    return policy, stem_of(policy.path).name
+
+
 def run(arguments: Arguments) -> list[Path]:
     """Explain every map that is asked for; return the texts' files."""
     if arguments.donors < 2:
         raise ParameterError(f"--donors {arguments.donors}: needs at least two train maps")
-    known = arguments.agent in agents.CATALOGUE
-    agent = find_agent(arguments.agent, arguments.artefacts) if known else PolicyAgent(arguments.agent)
-    name = arguments.agent if known else Path(arguments.agent).name.removesuffix(".json")
+    agent, name = _find(arguments)
     items = load_suite(arguments.suite, arguments.split)
     for index in arguments.index:
         if not 0 <= index < len(items):
@@ -262,7 +271,7 @@ def run(arguments: Arguments) -> list[Path]:
     files = []
     for one in found:
         text = to_markdown(one, name)
-        file = arguments.out / f"{name}-{one.item.name.replace('/', '-')}.md"
+        file = arguments.out / f"{name.replace(':', '-')}-{one.item.name.replace('/', '-')}.md"
         write_whole(file, text.encode())
         write_whole(file.with_suffix(".png"), picture(one, name))
         files.append(file)

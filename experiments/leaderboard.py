@@ -25,10 +25,12 @@ from antgym.maps.suites import SuiteItem, digest_of
 from antgym.planners.planning import are_bees
 from antgym.tuning.ledger import Ledger
 from experiments import provenance, tracks
-from experiments.artefacts import prepare, trained_hashes
+from experiments.artefact_files import MAKEABLE, policy_file, require_there, trained_hashes
+from experiments.artefacts import prepare
 from experiments.board import Track
 from experiments.contest import Entrant, enter, foreign_files
 from experiments.presets import PRESETS, Preset
+from experiments.rehearsal import rehearse, rehearse_controllers
 from experiments.steering import policy_hashes, steerable
 from experiments.tracks import ALWAYS, Round
 
@@ -66,9 +68,10 @@ class Arguments:
     out: Path = Path("out/leaderboard")
     """Folder of the ledger, of the trained agents, of board.md and index.html."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue, path/to/file.py:ClassName of your own, folders of submissions; with any there are, as
-    references without a place: uniform_random, published_default, random_search, best_static, best_static_by_rules,
-    copy_best_source, regression, the exact planner and the virtual best."""
+    """Names in the catalogue, rl:NAME of NAME.json in OUT/trained or of a shipped policy, path/to/file.py:ClassName of
+    your own, folders of submissions; with any there are, as references without a place: uniform_random,
+    published_default, random_search, best_static, best_static_by_rules, copy_best_source, regression, the exact planner
+    and the virtual best."""
     suite: str = "mountain-v0"
     """Suite of the maps, or a folder of them; trained agents learn from its train split."""
     split: str = "ood"
@@ -80,8 +83,8 @@ class Arguments:
     maps: int | None = None
     """The first so many maps of the split; by default the preset's number."""
     controllers: tuple[str, ...] = ()
-    """Published policies that take part in C beside the agents: their files, or names of shipped ones; by default the
-    shipped one of Control, where ants are steered."""
+    """Published policies that take part in C beside the agents: their files, rl:NAME, or names of shipped ones; by
+    default the shipped one of Control, where ants are steered."""
     call_seconds: float = CALL_SECONDS
     """Seconds that an agent of your own may take for one call; then its run has failed, and the board goes on."""
 
@@ -107,6 +110,7 @@ def plan_board(arguments: Arguments) -> Plan:
     _check(arguments)
     preset = PRESETS[arguments.preset]
     items = _items(arguments, preset)
+    _rehearse(arguments, items)
     config = {
         "code": provenance.code_hash(*provenance.CONTEST),
         "preset": arguments.preset,
@@ -156,6 +160,15 @@ def _items(arguments: Arguments, preset: Preset) -> Sequence[SuiteItem]:
     return items
 
 
+def _rehearse(arguments: Arguments, items: Sequence[SuiteItem]) -> None:
+    """Raise ParameterError where a file of an agent is missing that no board makes, or a policy cannot be played."""
+    names, trained = names_of(arguments), arguments.out / TRAINED
+    require_there(names, trained, arguments.suite, makes=MAKEABLE)
+    rounds = [(track, budget) for track in _tracks(arguments) for budget in _budgets(track, arguments)]
+    rehearse(names, trained, items[0], min(0 if track == "C" else budget for track, budget in rounds))
+    rehearse_controllers(_controllers(arguments) if arguments.controllers else (), items[0])
+
+
 def _tracks(arguments: Arguments) -> list[Track]:
     return [track for track in tracks.TRACKS if track in arguments.track]
 
@@ -185,9 +198,10 @@ def _submitted(arguments: Arguments) -> tuple[str, ...]:
 
 
 def _controllers(arguments: Arguments) -> tuple[str, ...]:
-    """Return the policies that steer in C."""
+    """Return the policies that steer in C, by their files where they are asked for."""
     if arguments.controllers or "C" not in arguments.track:
-        return arguments.controllers
+        files = [policy_file(name, arguments.out / TRAINED) for name in arguments.controllers]
+        return tuple(dict.fromkeys(map(str, files)))
     return () if are_bees(find_items(arguments.suite, "train").rules) else (FLAGSHIP,)
 
 
@@ -237,7 +251,9 @@ def board_rounds(arguments: Arguments, plan: Plan, entrants: Sequence[Entrant]) 
 
 def pins(arguments: Arguments) -> dict[str, str]:
     """Return the hashes of the files that the entrants of a board are, by name."""
-    files = trained_hashes(arguments.out / TRAINED) | policy_hashes(_controllers(arguments))
+    files = trained_hashes(arguments.out / TRAINED, names_of(arguments)) | policy_hashes(
+        _controllers(arguments)
+    )
     return files | foreign_files(arguments.agents)
 
 

@@ -11,12 +11,15 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.algorithms import ALGORITHMS, Algorithm, find_algorithm
-from agents.choosing import choice_of
+from agents.choosing import choice_of, members_of
 from agents.networks import algorithm_class
+from agents.published import read_card
 from antgym.envs.catalogue import CATALOGUE, Entry
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
 from antgym.errors import ParameterError, nearest
 from antgym.maps.suites import load_suite
+from antgym.planners.parameters import ColonyParameters
+from antgym.planners.swarms import parameter_names
 from antgym.tuning.actions import Start
 from antgym.tuning.problem import TuningProblem
 
@@ -92,6 +95,21 @@ class Learner:
             raise ParameterError("moved from where? give --start, --start-by-rules or --start-by-policy")
         if self.start is not None and self.follows is not None:
             raise ParameterError("--start and --start-by-policy: changes begin from one of them")
+        if self.follows is not None:
+            self._require_alike(self.follows)
+
+    def _require_alike(self, follows: Path) -> None:
+        """Raise ParameterError where what changes begin from is chosen for another swarm."""
+        choice_of(follows)  # tells what is none of OneShot
+        names = parameter_names(load_suite(self.suite, "train").rules[0])
+        for member in members_of(follows):
+            theirs = tuple(read_card(member).parameters)
+            if theirs != names:
+                swarm = "ants" if theirs == ColonyParameters._fields else "bees"
+                raise ParameterError(
+                    f"--start-by-policy {follows}: chooses {', '.join(theirs)}, for {swarm}, and {self.env} has "
+                    f"{', '.join(names)}; name one that was trained in its world"
+                )
 
     @cached_property
     def entry(self) -> Entry:

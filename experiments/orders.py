@@ -9,11 +9,17 @@ from antgym.tuning.lines import append, read_fields
 ASKED, BROKEN = "asked.txt", "broken.jsonl"
 
 
-def ask(folder: Path, keys: Iterable[str]) -> None:
-    """Note that runs are asked of a ledger, beside those of before; whoever calls holds the ledger open."""
-    before = asked(folder)
+def ask(folder: Path, keys: Iterable[str], *, anew: bool = False) -> None:
+    """Note that runs are asked of a ledger, beside those of before; whoever calls holds the ledger open.
+
+    Args:
+        folder: of the ledger.
+        keys: of the runs.
+        anew: whether those of before do not count: they were of other settings, and none of them ran.
+    """
+    before = [] if anew else asked(folder)
     more = dict.fromkeys([*before, *keys])
-    if len(more) > len(before):
+    if anew or len(more) > len(before):
         write_whole(folder / ASKED, "".join(f"{key}\n" for key in more).encode())
 
 

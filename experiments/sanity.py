@@ -23,6 +23,7 @@ import agents
 from agents.policy import PolicyAgent
 from agents.published import beside, stem_of
 from agents.search import ZeroShot
+from agents.shipped import find_policy
 from antgym.console import main, parse, progress, write_whole
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
@@ -32,8 +33,10 @@ from antgym.tuning.features import EFFORT_FEATURES, task_table
 from antgym.tuning.ledger import Ledger
 from antgym.tuning.problem import Task
 from experiments import provenance
-from experiments.artefacts import TRAINED, problem, spent, trained_argument
+from experiments.artefact_files import TRAINED, followed_hashes, require_there, spent
+from experiments.artefacts import problem
 from experiments.contest import Entrant, enter, jobs, play
+from experiments.rehearsal import rehearse
 from experiments.statistics import cluster_interval, paired_difference
 from experiments.tables.sheet import table
 
@@ -47,13 +50,14 @@ class Arguments:
     """Let agents recommend from a map's own features and from another's, and compare what that is worth."""
 
     agents: Annotated[tuple[str, ...], tyro.conf.Positional] = LEARNED
-    """Agents of the catalogue, and files of published policies of OneShot."""
+    """Agents of the catalogue, rl:NAME among them, and published policies of OneShot: files, or names of shipped
+    ones."""
     suite: str = "open-v0"
     """Suite of the maps."""
     split: Literal["validation", "test", "ood"] = "validation"
     """Its split."""
     maps: int | None = None
-    """The first so many maps; all by default."""
+    """The first so many maps, all by default; those that are alone under their rules are left out."""
     fresh: int = 16
     """Runs that judge each recommendation."""
     against: str = "best_static_by_rules"
@@ -128,7 +132,13 @@ def compare(arguments: Arguments) -> str:
         raise ParameterError(f"--maps {arguments.maps}: no two of them have the same rules; take more")
     asked = dict.fromkeys(arguments.agents)
     names = [name for name in asked if name.partition(":")[0] in agents.CATALOGUE]
-    policies = [Path(name) for name in asked if name not in names]
+    policies = [find_policy(name, *agents.CATALOGUE) for name in asked if name not in names]
+    known = [arguments.against, *names]
+    require_there(known, arguments.artefacts, arguments.suite)
+    rehearse(known, arguments.artefacts, items[0], 0)
+    for path in policies:
+        PolicyAgent(path).reset(problem(items[0]).task(0), seed=0)
+    reference, *contest = _entrants(arguments, names, policies)
     config = {
         "code": provenance.code_hash(Path(__file__)),
         **{name: getattr(arguments, name) for name in ("suite", "split", "fresh")},
@@ -136,12 +146,12 @@ def compare(arguments: Arguments) -> str:
     }
     versions = provenance.versions([arguments.against, *names, *(["rl"] if policies else [])])
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
-        reference, *contest = _entrants(arguments, names, policies)
         ledger.pin(_hashes(arguments, names, policies))
         shown = misleading(items)
         misled = [_misled(entrant, shown) for entrant in contest]
         todo = list(jobs([reference, *chain(*zip(contest, misled, strict=True))], items, 1, [0]))
-        with progress("asking with features of the map, and of another", len(todo)) as advance:
+        title = f"asking on {len(items)} of {len(given)} maps, with features of the map, and of another"
+        with progress(title, len(todo)) as advance:
             play(todo, ledger, arguments.fresh, advance)
         gaps: dict[str, list[float]] = {job.entrant.name: [] for job in todo}
         for job in todo:
@@ -173,13 +183,11 @@ def _misled(entrant: Entrant, shown: Mapping[bytes, Task]) -> Entrant:
 
 
 def _hashes(arguments: Arguments, names: Sequence[str], policies: Sequence[Path]) -> dict[str, str]:
-    files = {}
-    for name in (arguments.against, *names):
-        files.update({path.name: path for path in trained_argument(name, arguments.artefacts).values()})
-    for path in policies:
-        card = beside(stem_of(path), ".json")  # which holds the hash of the weights
-        files[f"policy {card.name}"] = card
-    return {name: provenance.file_hash(path) for name, path in files.items()}
+    cards = [beside(stem_of(path), ".json") for path in policies]  # which hold the hashes of their weights
+    return {
+        **followed_hashes(arguments.artefacts, (arguments.against, *names)),
+        **{f"policy {card.name}": provenance.file_hash(card) for card in cards},
+    }
 
 
 HEADINGS = (
@@ -212,7 +220,7 @@ def to_markdown(arguments: Arguments, gaps: Mapping[str, Floats], given: int) ->
         f"{arguments.suite}, {arguments.split}: {len(against)} maps, each recommendation made without a trial and "
         f"judged on {arguments.fresh} fresh runs; mean gaps in per cent, intervals over maps. `{arguments.against}`: "
         f"{100 * against.mean():.1f}."
-        + (f" {left} maps that are alone under their rules are left out." if left else "")
+        + (f" Of {given} maps {left} are left out, alone under their rules." if left else "")
         + f"\n\n{table([head.format(arguments.against) for head in HEADINGS], rows)}\n"
     )
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from agents import find_card
 from agents.policy import PolicyAgent
-from agents.published import beside, find_policy, read_card, stem_of
+from agents.published import beside, read_card, stem_of
+from agents.shipped import find_policy
 from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
 from agents.stranger import Stranger
 from agents.submission import SubmittedController
@@ -182,7 +183,7 @@ def controllers(
             changed = f"{against}, changed once within the run as the card of the world says"
             found.append(Entrant(SCHEDULE, ScheduleController(agent, schedule), None, "agent", changed))
     found += [_submission(folder) for folder in submitted]
-    found += [_policy(path) for path in policies]
+    found += [policy_entrant(path) for path in policies]
     names = [entrant.name for entrant in found]
     if len(set(names)) < len(names):
         raise ParameterError(
@@ -196,10 +197,15 @@ def _submission(folder: str) -> Entrant:
     return Entrant(folder, SubmittedController(card.files[1]), card.training, "agent", card.summary)
 
 
-def _policy(name: str) -> Entrant:
-    """Return a policy of Control as it steers, one of OneShot as a constant."""
+def policy_entrant(name: str) -> Entrant:
+    """Return a policy of Control as it steers, one of OneShot as a constant; ParameterError on one of Trials."""
     path = find_policy(name)
     card = read_card(path)
+    if card.regime == "Trials":
+        raise ParameterError(
+            f"{path}: picks trials, and a run that is steered pays for none before it; policies of Control and OneShot "
+            "take part"
+        )
     controller = PolicyController(path) if card.regime == "Control" else ConstantController(PolicyAgent(path))
     training = card.evaluations + card.start_evaluations
     return Entrant(stem_of(path).name, controller, training, "agent", f"published policy of {card.regime}")

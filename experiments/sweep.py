@@ -83,8 +83,9 @@ class Sweep:
         """
         with Ledger(folder, self.plan.config, self.plan.versions, provenance.facts()) as ledger:
             ledger.pin(leaderboard.pins(self.board))
-            ask(folder, keys)
-            ask(self.arguments.out, self.keys)
+            renewed = ledger.renewed
+            ask(folder, keys, anew=renewed)
+            ask(self.arguments.out, self.keys, anew=renewed)
             yield ledger
 
 

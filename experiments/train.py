@@ -31,6 +31,7 @@ import tyro
 from agents.choosing import digest_of
 from agents.networks import algorithm_class, export
 from agents.published import beside, read_card
+from agents.shipped import find_policy
 from agents.static import StaticSettings
 from antgym.console import RESUMES, Advance, main, parse, progress
 from antgym.errors import MissingExtraError, ParameterError
@@ -74,8 +75,8 @@ class Arguments:
     start_by_rules: Path | None = None
     """A file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
     start_by_policy: Path | None = None
-    """What changes begin from, chosen by a published policy of OneShot or a committee: what is learnt corrects it. Its
-    files are shipped, or lie in the folder of OUT."""
+    """What changes begin from, chosen by a published policy of OneShot or a committee: what is learnt corrects it. The
+    name of a shipped one, as open-committee, or files in the folder of OUT."""
     kwargs: str = "{}"
     """Arguments of the environment as JSON: '{"suite": "room-v0", "reward": "improvement", "budget": 20}'."""
     experience: Path | None = None
@@ -144,7 +145,7 @@ def _learner(arguments: Arguments) -> Learner:
         kwargs,
         _start(arguments),
         arguments.config,
-        arguments.start_by_policy,
+        arguments.start_by_policy and find_policy(arguments.start_by_policy),
     )
 
 

@@ -24,8 +24,9 @@ from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, LedgerRun
 from experiments import provenance
-from experiments.artefacts import spent, trained_hashes
+from experiments.artefact_files import require_there, spent, trained_hashes
 from experiments.contest import enter, jobs, play
+from experiments.rehearsal import rehearse
 from experiments.statistics import Estimate, cluster_interval, paired_difference, wilson_interval
 from experiments.tables.sheet import new_figure, publish, table
 from experiments.trainings import trainings
@@ -69,8 +70,9 @@ class Arguments:
     fresh: int = 16
     """Runs that judge each recommendation."""
     agents: tuple[str, ...] = AGENTS
-    """Names in the catalogue; the first is compared with all others. Files that differ in a number at the end, as
-    rl:ppo-1 and rl:ppo-2, are shown together, too."""
+    """Names in the catalogue, copy_best_source and published_default always among them, which negative transfer is
+    measured against; the first is compared with all others. Files that differ in a number at the end, as rl:ppo-1 and
+    rl:ppo-2, are shown together, too."""
 
 
 class Outcome(NamedTuple):
@@ -98,15 +100,17 @@ Key = tuple[int, str]
 
 def measure(arguments: Arguments) -> dict[Key, Outcome]:
     """Let every agent tune every target at every budget; what the ledger holds already is not run again."""
-    missing = {COPY, DEFAULT} - set(arguments.agents)
-    if missing or min(arguments.budgets, default=0) < 0 or arguments.maps < 2:
+    _check(arguments)
+    items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
+    if len(items) < 2:
         raise ParameterError(
-            f"--agents must name {COPY} and {DEFAULT}, which negative transfer is measured against; "
-            "--budgets must be 0 or more, --maps 2 or more"
+            f"--suite {arguments.suite} --split {arguments.split}: {len(items)} map, and intervals are over maps; "
+            "take two at least"
         )
+    require_there(arguments.agents, arguments.artefacts, arguments.suite)
+    rehearse(arguments.agents, arguments.artefacts, items[0], min(arguments.budgets))
     paid = spent(arguments.artefacts, arguments.agents)
     contest = enter(arguments.agents, arguments.artefacts, paid)
-    items = load_suite(arguments.suite, arguments.split)[: arguments.maps]
     config = {
         **{
             name: getattr(arguments, name)
@@ -117,7 +121,7 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
     }
     versions = provenance.versions(arguments.agents)
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
-        ledger.pin(trained_hashes(arguments.artefacts))
+        ledger.pin(trained_hashes(arguments.artefacts, arguments.agents))
         todo = list(jobs(contest, items, arguments.seeds, arguments.budgets))
         with progress("transfer", len(todo)) as advance:
             play(todo, ledger, arguments.fresh, advance)
@@ -125,6 +129,18 @@ def measure(arguments: Arguments) -> dict[Key, Outcome]:
             key: _outcome([ledger.run(job.key) for job in group], len(items))
             for key, group in groupby(todo, lambda job: (job.budget, job.entrant.name))
         }
+
+
+def _check(arguments: Arguments) -> None:
+    if missing := [name for name in (COPY, DEFAULT) if name not in arguments.agents]:
+        raise ParameterError(
+            f"--agents {' '.join(arguments.agents)}: negative transfer is measured against {COPY} and {DEFAULT}; add "
+            f"{' and '.join(missing)}"
+        )
+    if not arguments.budgets or min(arguments.budgets) < 0 or arguments.maps < 2:
+        raise ParameterError(
+            f"--budgets {' '.join(map(str, arguments.budgets))} must be 0 or more, --maps {arguments.maps} 2 or more"
+        )
 
 
 def _outcome(runs: Sequence[LedgerRun], maps: int) -> Outcome:

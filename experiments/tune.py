@@ -29,7 +29,8 @@ from antgym.planners.planning import are_bees, plan_many
 from antgym.tuning.agent import Agent, Result, tune
 from antgym.tuning.ledger import Ledger
 from antgym.tuning.problem import FRESH, TuningProblem
-from experiments.artefacts import TRAINED, derived_seed, trained_argument
+from experiments.artefact_files import TRAINED, file_of, require_there, trained_argument, way_to
+from experiments.artefacts import derived_seed
 from experiments.watching import WatchedSession
 
 Floats = NDArray[np.float64]
@@ -48,7 +49,8 @@ class Arguments(MapFile):
     """
 
     agent: str = "optuna_tpe"
-    """Name in the catalogue of agents, or path/to/file.py:ClassName of yours; an unknown name lists them all."""
+    """Name in the catalogue of agents, rl:NAME of a policy, or path/to/file.py:ClassName of yours; an unknown name
+    lists them all."""
     budget: int = 20
     """Planner runs that the agent may pay for, from 0 up."""
     artefacts: Path | None = None
@@ -111,19 +113,14 @@ def find_agent(name: str, folder: Path | None) -> Agent:
     card = agents.find_card(name)
     if not card.trained:
         return agents.make(name)
-    here = folder or TRAINED
-    argument = trained_argument(name, folder)
-    path = next(iter(argument.values()))
-    if (folder is None and path.parent == here) or not path.exists():
-        make = f"experiments.train PPO --out {path.with_suffix('')}"
-        if name.partition(":")[0] != "rl":
-            make = f"experiments.artefacts {name} --out {here}"
-        problem = f"{path} is not there" if folder else "--artefacts FOLDER is missing"
+    path = file_of(name, folder)
+    if folder is None and path.parent == TRAINED:
         raise ParameterError(
-            f"agent {name!r} needs what it learnt from train maps, and {problem}; make it with: "
-            f"python -m {make}; then give --artefacts {here}"
+            f"agent {name!r} needs what it learnt from train maps, and --artefacts FOLDER is missing; "
+            f"{way_to(name, path)}; then give --artefacts {TRAINED}"
         )
-    return agents.make(name, **argument)
+    require_there([name], folder)
+    return agents.make(name, **trained_argument(name, folder))
 
 
 def search(agent: Agent, problem: TuningProblem, arguments: Arguments, stem: Path) -> Result:

@@ -126,8 +126,8 @@ class Ledger:
 
     Args:
         folder: created where absent.
-        config: what is run, JSON; a folder made with another config is refused.
-        versions: library versions, kept from the first opening; changes are named when a replay differs.
+        config: what is run, JSON; a folder that holds trials of another config is refused.
+        versions: library versions, kept from the first trial on; changes are named when a replay differs.
         facts: anything else worth keeping (commit, CPU, threads), JSON.
         traces: whether runs leave traces, see :mod:`antgym.tuning.traces`.
 
@@ -156,7 +156,7 @@ class Ledger:
             except OSError as error:
                 raise LedgerError(f"{self.folder} cannot hold a ledger: {error}") from None
             self._require_manifest()
-            self._manifest = Manifest(self.folder, config, versions, facts or {})
+            self._manifest = Manifest(self.folder, config, versions, facts or {}, anew=not self._begun())
             mend(self._timing)
             self._runs: dict[str, LedgerRun] = {}
             enter(mend(self._trials), self.folder, self.run)
@@ -179,6 +179,11 @@ class Ledger:
     def schema(self) -> int:
         """In which the ledger was begun, and in which it goes on."""
         return self._manifest.schema
+
+    @property
+    def renewed(self) -> bool:
+        """Whether the folder was begun with another config, of which nothing ran, and nothing ran since."""
+        return self._manifest.renewed and not self._begun()
 
     def run(self, key: str) -> LedgerRun:
         """Return the run of this key, with what is recorded of it."""
@@ -257,11 +262,14 @@ class Ledger:
 
     def _require_manifest(self) -> None:
         """Refuse trials of which nothing says what they are of: any config could be taken for theirs."""
-        if os.fstat(self._trials.fileno()).st_size and not (self.folder / MANIFEST).exists():
+        if self._begun() and not (self.folder / MANIFEST).exists():
             raise LedgerError(
                 f"{self.folder} holds {TRIALS} without the {MANIFEST} that says what was run; put it back, or use "
                 "another folder"
             )
+
+    def _begun(self) -> bool:
+        return os.fstat(self._trials.fileno()).st_size > 0
 
     def _lock(self) -> None:
         try:

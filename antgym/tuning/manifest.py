@@ -42,21 +42,31 @@ class Manifest:
     Args:
         folder: of the ledger, which is locked.
         config: what is run, JSON; a folder made with another config is refused.
-        versions: library versions, kept from the first opening; changes are named when a replay differs.
+        versions: library versions, kept from the first trial on; changes are named when a replay differs.
         facts: anything else worth keeping (commit, CPU, threads), JSON.
+        anew: whether the folder holds no trial, so that what was begun there and never ran binds nobody.
 
     Attributes:
         fields: as they lie in the folder.
+        renewed: whether the folder was begun with another config before.
 
     Raises:
         LedgerError: if the folder belongs to another config or schema, or its manifest is damaged.
     """
 
     def __init__(
-        self, folder: Path, config: Mapping[str, Any], versions: Mapping[str, str], facts: Mapping[str, Any]
+        self,
+        folder: Path,
+        config: Mapping[str, Any],
+        versions: Mapping[str, str],
+        facts: Mapping[str, Any],
+        *,
+        anew: bool,
     ) -> None:
         self._folder, self._versions = folder, dict(versions)
-        if not (folder / MANIFEST).exists():
+        begun = read_manifest(folder) if (folder / MANIFEST).exists() else None  # what is damaged is refused
+        self.renewed = anew and begun is not None and begun["config"] != _plain(config)
+        if anew or begun is None:
             self.fields = {"schema": SCHEMA, "config": _plain(config), "versions": self._versions, **facts}
             self._write()
         self.fields = read_manifest(folder)

@@ -1,6 +1,7 @@
 """A committee recommends the mean of its members, and reads nothing but policies beside its own file."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +15,10 @@ import agents
 from agents.choosing import Committee
 from agents.networks import export
 from agents.policy import PolicyAgent
+from agents.published import SHIPPED, read_card
 from antgym.errors import ParameterError
 from antgym.tuning import tune
-from experiments.artefacts import spent
+from experiments.artefact_files import spent, trained_hashes
 from experiments.committee import Arguments, seat
 
 
@@ -73,5 +75,23 @@ def test_a_command_seats_a_committee_whose_members_can_be_read(seated):
     with pytest.raises(ParameterError, match="seed-9"):
         seat(Arguments((seated / "seed-1", seated / "seed-9")))
     assert not (seated / "committee.json").exists()
+    with pytest.raises(ParameterError, match="name the policies that sit on it, as: python -m"):
+        seat(Arguments(()))
     with pytest.raises(ParameterError, match="sits in one folder"):
         seat(Arguments((seated / "seed-1", seated / "other" / "seed-2")))
+
+
+def test_shipped_policies_sit_beside_others_or_alone_without_a_copy(seated, monkeypatch):
+    monkeypatch.chdir(seated)
+    mixed = seat(Arguments((seated / "seed-0", Path("open-one-shot"))))
+    assert mixed == seated / "committee.json"
+    evaluations = read_card(SHIPPED / "open-one-shot").evaluations
+    assert spent(seated, ["rl_committee"]) == {"committee.json": 100 + evaluations}
+    alone = seat(Arguments((Path("open-one-shot"), Path("open-one-shot-2"))))
+    assert alone == Path("out/trained/committee.json")
+    assert [path.name for path in alone.parent.iterdir()] == ["committee.json"]
+    assert set(trained_hashes(alone.parent, ["rl_committee"])) == {
+        "committee.json",
+        "open-one-shot.json",
+        "open-one-shot-2.json",
+    }

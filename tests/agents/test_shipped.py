@@ -10,13 +10,15 @@ pytest.importorskip("safetensors", reason="needs the extra rl")
 
 import agents
 from agents.networks import load
-from agents.published import SHIPPED, beside, find_policy, read_card
+from agents.published import SHIPPED, beside, read_card
+from agents.shipped import find_policy
 from agents.steering import PolicyController
+from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning import Session, tune
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.run_features import observe_run
-from experiments.artefacts import trained_argument
+from experiments.artefact_files import trained_argument
 
 POLICIES = sorted(path.with_suffix("") for path in SHIPPED.glob("*.safetensors"))
 FLAGSHIPS = {"open-one-shot": "OneShot", "open-trials": "Trials", "open-control": "Control"}
@@ -49,6 +51,41 @@ def test_a_policy_of_trials_is_an_agent_by_name(problem):
     setting, trials = tune(agent, session, seed=0)
     assert len(trials) == 3
     assert ((setting >= 0) & (setting <= 1)).all()
+
+
+def test_what_is_shipped_is_made_by_its_name_alone():
+    assert agents.make("rl:open-trials").card.regime == "Trials"
+    assert agents.make("rl", path="open-one-shot-2").path == SHIPPED / "open-one-shot-2"
+    for committee in (
+        agents.make("rl_committee:open-committee"),
+        agents.make("rl_committee", path="open-committee"),
+    ):
+        assert committee.path == SHIPPED / "open-committee.json"
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "message"),
+    [
+        ("rl", "open-on-shot", r"open-on-shot\.json: no such policy; did you mean 'open-one-shot'"),
+        ("rl:open-trails", None, "did you mean 'open-trials'"),
+        ("open-trials", None, "the shipped open-trials is followed as 'rl:open-trials'"),
+        (
+            str(SHIPPED / "open-trials.json"),
+            None,
+            "followed as 'rl:open-trials', with the artefacts of the folder",
+        ),
+        ("rl", "open-committee", "is a committee, .* it is rl_committee:open-committee"),
+        ("rl_committee", "open-one-shot", "is a policy, .* it is rl:open-one-shot"),
+    ],
+)
+def test_a_name_that_is_not_meant_so_leads_to_the_one_that_is(name, path, message):
+    with pytest.raises(ParameterError, match=message):
+        agents.make(name, **({"path": path} if path else {}))
+
+
+def test_a_misspelt_controller_leads_to_the_nearest():
+    with pytest.raises(ParameterError, match="did you mean 'open-control'"):
+        PolicyController("open-contrl")
 
 
 def test_a_policy_that_steers_is_found_by_name(problem):

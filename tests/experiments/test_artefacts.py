@@ -6,11 +6,13 @@ import pytest
 
 import agents
 from agents.experience import Experience
+from agents.published import SHIPPED, read_card
 from agents.static import StaticByRules, StaticSetting, StaticSettings
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from experiments import leaderboard
-from experiments.artefacts import MADE, files_needed, prepare, problem, trained_argument, trained_hashes
+from experiments.artefact_files import MADE, files_needed, require_there, trained_argument, trained_hashes
+from experiments.artefacts import prepare, problem
 from experiments.contest import enter
 from experiments.presets import PRESETS
 
@@ -56,6 +58,41 @@ def test_a_file_of_its_own_name_is_found_and_never_made(tmp_path):
     ]
     with pytest.raises(ParameterError, match=r"third\.json is not there"):
         prepare(tmp_path, "mountain-v0", TINY, ["rl:third"])
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "rl",
+            r"policy\.json is not there; .*rl:open-one-shot,.* experiments\.train PPO antgym/RoomOneShot-v0 --out",
+        ),
+        ("rl:open-trails", r"open-trails\.json is not there; did you mean 'rl:open-trials'"),
+        ("rl_committee", r"shipped: rl_committee:open-committee; .*python -m experiments\.committee"),
+        ("best_static_by_rules", r"experiments\.artefacts best_static_by_rules --suite room-v0 --out"),
+        (
+            "best_static:mine",
+            r"mine\.json is not there; .* experiments\.artefacts best_static .*static\.json",
+        ),
+    ],
+)
+def test_a_missing_file_is_named_with_the_command_that_makes_it(tmp_path, name, message):
+    with pytest.raises(ParameterError, match=message):
+        require_there([name], tmp_path, "room-v0")
+
+
+def test_what_is_shipped_needs_no_file_and_one_of_its_name_goes_before_it(tmp_path):
+    name = "rl:open-one-shot"
+    spent = prepare(tmp_path, "mountain-v0", TINY, [name])
+    assert spent == {"open-one-shot.json": read_card(SHIPPED / "open-one-shot").evaluations}
+    assert trained_argument(name, tmp_path) == {"path": SHIPPED / "open-one-shot.json"}
+    assert not list(tmp_path.iterdir())
+    pinned = trained_hashes(tmp_path, [name])
+    (tmp_path / "open-one-shot.json").write_text('{"evaluations": 3}')
+    assert prepare(tmp_path, "mountain-v0", TINY, [name]) == {"open-one-shot.json": 3}
+    assert trained_argument(name, tmp_path) == {"path": tmp_path / "open-one-shot.json"}
+    assert pinned.keys() == (after := trained_hashes(tmp_path, [name])).keys()
+    assert pinned != after
 
 
 def test_what_another_preset_or_suite_made_is_refused_and_what_was_put_there_by_hand_is_not(tmp_path):

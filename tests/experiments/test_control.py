@@ -141,12 +141,31 @@ def test_a_policy_that_was_changed_meanwhile_is_refused(asked, tmp_path):
     ("controllers", "others", "message"),
     [
         (("nobody",), {}, "nobody.json: no such policy"),
+        (("open-contrl",), {}, "did you mean 'open-control'"),
+        (("rl:open-contrl",), {}, "did you mean 'rl:open-control'"),
+        (("open-committee",), {}, "it is rl_committee:open-committee"),
+        (("rl:open-trials",), {}, "policies of Control and OneShot take part"),
+        (("rl_committee",), {}, "shipped: rl_committee:open-committee"),
+        (("open-control",), {"suite": "tabu-bee-v0"}, r"picks \['alpha'.* the task has \['limit'"),
         ((), {"seeds": 0}, "--seeds 0"),
+        ((), {"maps": 1}, "--suite mountain-v0 --split test: 1 map, .* two at least"),
         ((), {"against": "best_statics"}, "unknown agent 'best_statics'"),
         (("schedule",), {"suite": "no-v0"}, "no-v0"),
         ((), {"suite": "fleet-v0"}, "is a fleet"),
     ],
 )
 def test_what_cannot_be_raced_is_one_clear_error(asked, controllers, others, message):
+    arguments = asked(*controllers, **others)
     with pytest.raises(ParameterError, match=message):
-        race(asked(*controllers, **others))
+        race(arguments)
+    assert not arguments.out.exists()
+
+
+def test_shipped_policies_are_raced_by_the_names_of_agents_too(asked):
+    names = ("rl:open-control", "open-control", "rl_committee:open-committee")
+    arguments = asked(*names, against="rl:open-one-shot", maps=2, seeds=1)
+    rows = [line for line in race(arguments).splitlines() if line.startswith("| `")]
+    raced = {row.split("`")[1] for row in rows}
+    assert raced == {"open-control", "rl_committee:open-committee", "rl:open-one-shot"}
+    pinned = json.loads((arguments.out / "manifest.json").read_text())["pinned"]
+    assert {"policy open-control.json", "open-committee.json", "open-one-shot-5.json"} <= set(pinned)

@@ -124,6 +124,9 @@ def test_a_published_policy_is_explained_by_its_file(tmp_path):
     )
     assert file.name.startswith("p-")
     assert file.read_text().count("\n| ") > 10
+    for name in ("open-one-shot", "rl:open-one-shot"):
+        agent, called = explain._find(Arguments(name))
+        assert (agent.path.name.removesuffix(".json"), called) == ("open-one-shot", name)
 
 
 @pytest.mark.parametrize(
@@ -133,3 +136,13 @@ def test_a_published_policy_is_explained_by_its_file(tmp_path):
 def test_what_cannot_be_explained_is_one_clear_error(others, message):
     with pytest.raises(ParameterError, match=message):
         explain.run(Arguments("published_default", suite="mountain-v0", **others))
+
+
+def test_a_misspelt_name_leads_to_the_nearest_agent_or_policy():
+    for name, meant in (
+        ("rll", "rl"),
+        ("open-on-shot", "open-one-shot"),
+        ("rl:open-on-shot", "rl:open-one-shot"),
+    ):
+        with pytest.raises(ParameterError, match=f"did you mean {meant!r}"):
+            explain.run(Arguments(name, suite="mountain-v0"))

@@ -83,3 +83,41 @@ def test_who_looks_at_no_map_loses_nothing_and_the_same_command_goes_on(asked):
 def test_what_cannot_be_compared_is_one_clear_error(asked, others):
     with pytest.raises(ParameterError, match="--maps"):
         compare(asked("portfolio", **others))
+
+
+def test_shipped_policies_take_part_by_name_and_maps_left_out_are_counted(tmp_path):
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    given = {
+        "maps": 3,
+        "fresh": 1,
+        "against": "published_default",
+        "artefacts": tmp_path,
+        "out": tmp_path / "out",
+    }
+    text = compare(Arguments(("rl:open-one-shot", "open-one-shot-2"), **given))
+    assert "Of 3 maps 1 are left out" in text
+    assert [row.split("`")[1] for row in text.splitlines() if row.startswith("| `")] == [
+        "rl:open-one-shot",
+        "open-one-shot-2",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("agents", "message"),
+    [
+        (("rl",), r"policy\.json is not there; .*rl:open-one-shot"),
+        (("best_static_by_rules",), r"experiments\.artefacts best_static_by_rules --suite open-v0"),
+        (("rl:open-trials",), "budgets are 1 or more"),
+        (("open-trials",), "budgets are 1 or more"),
+        (("rl:open-committee",), "it is rl_committee:open-committee"),
+        (("rll",), "did you mean 'rl'"),
+    ],
+)
+def test_who_cannot_be_asked_is_named_and_nothing_is_written(tmp_path, agents, message):
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    given = {"maps": 3, "against": "published_default", "artefacts": tmp_path, "out": tmp_path / "out"}
+    with pytest.raises(ParameterError, match=message):
+        compare(Arguments(agents, **given))
+    assert not list(tmp_path.iterdir())

@@ -265,12 +265,16 @@ def test_where_learning_only_harms_what_is_published_is_the_start(asked, monkeyp
         ({"start": (0.5,) * 4}, "only where settings are changed"),
         ({"action": "moved"}, "moved from where"),
         (
-            {"action": "moved", "start": (0.5,) * 4, "start_by_policy": Path("first")},
+            {"action": "moved", "start": (0.5,) * 4, "start_by_policy": Path("open-committee")},
             "--start and --start-by-policy",
         ),
         (
             {"action": "moved", "start_by_policy": Path("first")},
-            "first.json: neither a policy nor a committee",
+            "first.json: no such policy; did you mean",
+        ),
+        (
+            {"action": "moved", "start_by_policy": Path("open-control")},
+            "open-control: is a policy of Control that sees features; .* one of OneShot",
         ),
         ({"regime": "Control", "start": (0.5,)}, "needs 4 values"),
         ({"algorithm": "CrossQ", "kwargs": {"observation": "map"}}, "CrossQ reads no maps"),
@@ -284,6 +288,16 @@ def test_where_learning_only_harms_what_is_published_is_the_start(asked, monkeyp
 def test_what_makes_no_sense_is_one_clear_error(asked, arguments, message):
     with pytest.raises(ParameterError, match=message):
         train.train(asked(**arguments))
+
+
+def test_the_choice_of_another_swarm_is_told_by_its_parameters(asked):
+    arguments = replace(
+        asked(action="moved", start_by_policy=Path("open-committee")), env="antgym/BeeOneShot-v0"
+    )
+    with pytest.raises(
+        ParameterError, match=r"chooses alpha, .* for ants, and antgym/BeeOneShot-v0 has limit"
+    ):
+        train.train(arguments)
 
 
 def test_an_unknown_environment_is_named(tmp_path):

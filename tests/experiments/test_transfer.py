@@ -1,6 +1,9 @@
 """Transfer on unseen maps: a tiny measurement from artefacts to tables and pictures."""
 
 import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +32,26 @@ def test_a_tiny_measurement_writes_its_tables_and_pictures(tmp_path):
     for name in ("graph.png", "transfer.png"):
         assert (tmp_path / "out" / name).read_bytes().startswith(b"\x89PNG")
     _goes_on_where_it_stopped(asked, text, numbers)
+    _names_who_cannot_play(asked)
+
+
+def _names_who_cannot_play(asked):
+    """Before anything runs, and in a folder of its own."""
+    pytest.importorskip("sb3_contrib")
+    pytest.importorskip("safetensors")
+    for name, message in (
+        ("rl", r"experiments\.train PPO antgym/MountainOneShot-v0 --out"),
+        ("rl_committee", "shipped: rl_committee:open-committee"),
+        ("rl:open-trials", "budgets are 1 or more"),
+    ):
+        other = replace(asked, agents=(*asked.agents, name), out=asked.out / "other")
+        with pytest.raises(ParameterError, match=message):
+            transfer.measure(other)
+        assert not other.out.exists()
+    one = replace(
+        asked, agents=(*asked.agents, "rl:open-one-shot"), out=asked.out / "one", budgets=(0,), fresh=1
+    )
+    assert (0, "rl:open-one-shot") in transfer.measure(one)
 
 
 def _goes_on_where_it_stopped(asked, text, numbers):
@@ -74,5 +97,14 @@ def test_the_figure_names_the_budgets_that_were_measured():
 
 
 def test_the_references_of_negative_transfer_must_be_there():
-    with pytest.raises(ParameterError, match="must name copy_best_source and published_default"):
+    with pytest.raises(ParameterError, match="; add copy_best_source and published_default"):
         transfer.measure(Arguments(agents=("transfer_graph",)))
+
+
+def test_a_folder_of_one_map_is_too_little_to_measure_on(tmp_path):
+    (tmp_path / "test").mkdir()
+    docs = Path(transfer.__file__).parents[1] / "docs"
+    shutil.copy(docs / "hills.asc", tmp_path / "test")
+    (tmp_path / "suite.toml").write_text("scenarios = 1\n")
+    with pytest.raises(ParameterError, match=r"--split test: 1 map, .* two at least"):
+        transfer.measure(Arguments(suite=str(tmp_path), split="test", out=tmp_path / "out"))

@@ -150,7 +150,7 @@ def test_a_trained_agent_without_its_file_names_the_command_that_makes_it(tmp_pa
         tune.run(arguments(tmp_path, agent="neighbours"))
     with pytest.raises(ParameterError, match=r"is not there.*experiments\.artefacts portfolio --out"):
         tune.run(arguments(tmp_path, agent="portfolio", artefacts=tmp_path))
-    with pytest.raises(ParameterError, match=r"experiments\.train PPO --out \S+/policy; then"):
+    with pytest.raises(ParameterError, match=r"rl:open-one-shot.*experiments\.train PPO --out \S+/policy"):
         tune.run(arguments(tmp_path, agent="rl", artefacts=tmp_path))
 
 
@@ -208,6 +208,8 @@ def test_a_trained_agent_tunes_from_its_folder(tmp_path):
         ({"budget": -1}, "must be 0 or more"),
         ({"fresh": 0}, "at least 1"),
         ({"agent": "optuna_tp"}, "did you mean 'optuna_tpe'"),
+        ({"agent": "open-trials"}, "is followed as 'rl:open-trials'"),
+        ({"agent": "rl:open-trails"}, "did you mean 'rl:open-trials'"),
         ({"rules": "ants"}, "unknown rules"),
         ({"ants": 0}, "ants = 0"),
         (DISCS, "ants need --start and --goal; .* as --rules wu2018"),

@@ -16,6 +16,7 @@ from antgym.tuning.agent import tune
 from antgym.tuning.ledger import MANIFEST, TIMING, TRIALS, Ledger, Outcome
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Record, Session, Trial
+from experiments.orders import ask, asked
 
 CONFIG, VERSIONS = {"budget": 9, "maps": ["a"]}, {"antgym": "1", "numpy": "2"}
 OUTCOME = Outcome((0.1, 0.2, 0.3, 0.4), (130.5, float("inf")), (0.25, 1.0))
@@ -107,8 +108,8 @@ def test_every_line_is_plain_json(tmp_path):
 
 
 def test_the_manifest_keeps_config_first_versions_and_facts(tmp_path):
-    with opened(tmp_path):
-        pass
+    with opened(tmp_path) as ledger:
+        ledger.run("a").append([record(0)])
     with opened(tmp_path, versions={"antgym": "9"}) as ledger:
         assert ledger.manifest == json.loads((tmp_path / MANIFEST).read_text())
         assert ledger.manifest == {"schema": 2, "config": CONFIG, "versions": VERSIONS, "threads": 2}
@@ -263,10 +264,28 @@ def test_another_process_on_the_folder_is_refused(tmp_path):
 
 
 def test_a_folder_begun_with_another_config_is_refused_by_what_differs(tmp_path):
-    with opened(tmp_path):
-        pass
+    with opened(tmp_path) as ledger:
+        ledger.run("a").append([record(0)])
     with pytest.raises(LedgerError, match=r"begun with other settings .budget: .*; seeds: "):
         opened(tmp_path, {"budget": 10, "maps": ["a"], "seeds": 3})
+
+
+def test_a_folder_in_which_nothing_ran_is_begun_anew(tmp_path):
+    """A start that failed before its first trial binds neither to its config nor to its files."""
+    with opened(tmp_path) as ledger:
+        ledger.pin({"graph.json": "aa"})
+        ask(tmp_path, ["a", "b"])
+    other = {"budget": 10}
+    with opened(tmp_path, other) as ledger:
+        ledger.pin({"graph.json": "bb"})
+        ask(tmp_path, ["c"], anew=ledger.renewed)
+        ledger.run("c").append([record(0)])
+        ask(tmp_path, ["d"], anew=ledger.renewed)
+    assert asked(tmp_path) == ["c", "d"]
+    with pytest.raises(LedgerError, match="begun with other settings"):
+        opened(tmp_path)
+    with opened(tmp_path, other) as ledger, pytest.raises(LedgerError, match=r"graph\.json is not the file"):
+        ledger.pin({"graph.json": "aa"})
 
 
 def test_a_config_that_json_changes_is_still_the_same_config(tmp_path):

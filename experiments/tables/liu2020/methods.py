@@ -8,7 +8,8 @@ from agents.graph import TransferGraph
 from agents.policy import FLAGSHIP, shipped
 from agents.published import read_card
 from antgym.tuning.agent import Agent
-from experiments.artefacts import prepare, trained_argument
+from experiments.artefact_files import trained_argument
+from experiments.artefacts import prepare
 from experiments.presets import PRESETS
 
 SUITE, PRESET = "mountain-v0", "quick"  # what is trained elsewhere is trained on this suite's train maps
