@@ -18,13 +18,11 @@ is in units of the environment's reward, whatever scale the settings learn from.
 """
 
 import json
-import math
 import sys
-import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -33,22 +31,19 @@ from agents.networks import algorithm_class, export
 from agents.published import beside, read_card
 from agents.shipped import find_policy
 from agents.static import StaticSettings
-from antgym.console import RESUMES, Advance, main, parse, progress
+from antgym.console import RESUMES, main, parse, progress
 from antgym.errors import MissingExtraError, ParameterError
 from antgym.tuning.actions import Start
-from antgym.tuning.seeding import child_states
 from experiments import curves
 from experiments.checkpoints import Checkpoints, Standing, require_same
+from experiments.course import LEGS, SEED_LIMIT, Course, unit_of
 from experiments.learners import Learner, parsed
 from experiments.provenance import file_hash
 from experiments.replay import Replayed
 from experiments.training import facts, short
 from experiments.validation import Validation
 
-LEGS = 10
 FROM_A_START = ("moved", "each")  # actions whose middle changes nothing
-SEED_LIMIT = 1 << 32  # of NumPy's old generator, which stable-baselines3 seeds
-_LEG = 11  # seed domain
 
 
 @dataclass(frozen=True)
@@ -90,13 +85,6 @@ class Arguments:
     """Settings by algorithm; by default the regime's file in experiments/configs."""
     tensorboard: Path | None = None
     """Folder of TensorBoard's curves; none by default."""
-
-
-class Goal(NamedTuple):
-    """Steps of all slots after which a leg ends, and the whole training."""
-
-    leg: int
-    whole: int
 
 
 def train(arguments: Arguments) -> dict[str, Any]:
@@ -187,21 +175,21 @@ def _run(learner: Learner, arguments: Arguments, kept: Checkpoints) -> Any:
     model = kept.resume(kind, envs) if begun else learner.model(envs, arguments.seed, held)
     name = f"{arguments.algorithm}-{arguments.out.name}"
     model.set_logger(curves.logger(arguments.tensorboard, name, model.num_timesteps + begun))
-    unit = _unit(model, learner.steps_an_episode)
+    unit = unit_of(model, learner.steps_an_episode)
     units = steps // unit if table else max(1, steps // unit)
+    spends = charged + round(units * unit * learner.runs_a_step)
+    course = Course(model, validation, table, arguments.seed, unit * units)
     if not begun:
-        _say_what_is_more(arguments, charged + round(units * unit * learner.runs_a_step))
-        _begin(learner, model, table, kept, validation)
+        _say_what_is_more(arguments, spends)
+        _begin(learner, course, kept)
     title = f"{arguments.algorithm} on {arguments.env.removeprefix('antgym/')}"
-    with progress(title, charged + round(units * unit * learner.runs_a_step)) as advance:
+    with progress(title, spends) as advance:
         advance(kept.standing.evaluations, _titled(title, kept.standing))
         for leg in range(kept.standing.leg, LEGS):
             until = unit * (units * (leg + 1) // LEGS)
             if table or until > model.num_timesteps:
-                goal = Goal(until, unit * units)
-                standing = _walk(model, goal, kept.standing, leg + 1, validation, table, arguments, advance)
-                kept.keep(model, standing)
-                advance(0, _titled(title, standing))
+                kept.keep(model, course.walk(leg + 1, until, kept.standing, advance))
+                advance(0, _titled(title, kept.standing))
     return model
 
 
@@ -214,16 +202,12 @@ def _say_what_is_more(arguments: Arguments, spent: int) -> None:
         )
 
 
-def _begin(
-    learner: Learner, model: Any, table: Replayed | None, kept: Checkpoints, validation: Validation
-) -> None:
+def _begin(learner: Learner, course: Course, kept: Checkpoints) -> None:
     """Give a new model the trials of its table, and judge the start that it is to change."""
-    if table:
-        table.fill(model)
+    if course.table:
+        course.table.fill(course.model)
     if learner.how in FROM_A_START:
-        standing = _judged(model, kept.standing, validation)
-        curves.draw(model, standing)
-        kept.keep(model, standing)
+        kept.keep(course.model, course.judge(kept.standing))
 
 
 def _table(learner: Learner, arguments: Arguments) -> Replayed | None:
@@ -231,78 +215,6 @@ def _table(learner: Learner, arguments: Arguments) -> Replayed | None:
         return None
     most = arguments.evaluations if arguments.replayed is None else arguments.replayed
     return Replayed(arguments.experience, learner, min(most, arguments.evaluations))
-
-
-def _walk(
-    model: Any,
-    goal: Goal,
-    before: Standing,
-    leg: int,
-    validation: Validation,
-    table: Replayed | None,
-    arguments: Arguments,
-    advance: Advance,
-) -> Standing:
-    """Train a leg and validate; return how the training stands then."""
-    begun = time.perf_counter()
-    evaluations = _learn(model, goal, leg, table, before.evaluations, arguments, advance)
-    standing = _judged(model, replace(before, leg=leg, evaluations=evaluations), validation)
-    curves.draw(model, standing)
-    return replace(standing, seconds=round(before.seconds + time.perf_counter() - begun, 1))
-
-
-def _judged(model: Any, standing: Standing, validation: Validation) -> Standing:
-    """Return how a training stands once its model has played the validation maps."""
-    before = validation.runs
-    gap = validation.gap(model)
-    return replace(
-        standing,
-        validation_runs=standing.validation_runs + validation.runs - before,
-        history=[*standing.history, [standing.evaluations, round(gap, 6)]],
-        best=standing.leg if standing.lowest is None or gap < standing.lowest else standing.best,
-    )
-
-
-def _learn(
-    model: Any,
-    goal: Goal,
-    leg: int,
-    table: Replayed | None,
-    spent: int,
-    arguments: Arguments,
-    advance: Advance,
-) -> int:
-    """Let a model learn a leg, from trials of a table first where there is one; return what is spent by then."""
-    native = model.get_env().unwrapped.native
-    shown = native.planner_runs
-
-    def after_step(*_: Any) -> bool:
-        nonlocal shown, spent
-        advance(more := int(native.planner_runs - shown))
-        shown, spent = native.planner_runs, spent + more
-        model.logger.record(curves.RUNS, spent)
-        model._total_timesteps = goal.whole  # schedules, as of DQN's exploration, go over all legs
-        return True
-
-    model.set_random_seed(int(child_states([arguments.seed], [(_LEG, leg)])[0, 0]) % SEED_LIMIT)
-    model._last_obs = None  # so that learning begins new episodes, resumed or not
-    if table:
-        charged = table.trials if leg == 1 else 0
-        advance(charged)
-        spent += charged
-        table.learn(model, leg, LEGS)
-    if goal.leg > model.num_timesteps:
-        model.learn(goal.leg - model.num_timesteps, after_step, reset_num_timesteps=False)
-    return spent
-
-
-def _unit(model: Any, episode: int) -> int:
-    """Return the fewest steps of all slots that are whole updates of the networks and whole episodes."""
-    if hasattr(model, "n_delta"):  # ARS: every candidate plays whole episodes, in one slot
-        return int(2 * model.n_delta * model.n_eval_episodes * episode)
-    if hasattr(model, "train_freq"):
-        return math.lcm(getattr(model.train_freq, "frequency", model.train_freq), episode) * int(model.n_envs)
-    return math.lcm(model.n_steps, episode) * int(model.n_envs)
 
 
 def _titled(title: str, standing: Standing) -> str:
