@@ -6,9 +6,8 @@ plays every controller on the maps of a split, one run of ten blocks per map and
 the same seeds, which no training and no other harness uses. What is raced is an agent of the catalogue, whose
 recommendation without a trial then stays; ``schedule``, the best one of the suite's card on top of the setting of
 ``--against``; or a policy, its file, ``rl:NAME`` or the name of a shipped one: one of Control steers, one of OneShot
-chooses once.
-Files that differ in a number at the end, as out/steer-1 and out/steer-2, are shown together, too. Stopped, the same
-command goes on; with more controllers, it plays those that are new.
+chooses once. Trainings that differ in their seed alone, as out/steer-1 and out/steer-2 may, are shown together, too.
+Stopped, the same command goes on; with more controllers, it plays those that are new.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,6 +20,7 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
+from agents.steering import PolicyController
 from antgym.console import main, parse, progress, write_whole
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
@@ -156,7 +156,8 @@ def to_markdown(
     """
     gaps = {entrant.name: gaps_of(entrant, items, arguments.seeds, ledger) for entrant in entrants}
     spent = {entrant.name: entrant.training for entrant in entrants}
-    for label, names in trainings(gaps).items():
+    cards = {e.name: e.controller.card for e in entrants if isinstance(e.controller, PolicyController)}
+    for label, names in trainings(cards).items():
         gaps[label] = np.concatenate([gaps[name] for name in names], axis=1)
         spent[label] = spent[names[0]]
     against = [arguments.against, *([SCHEDULE] if SCHEDULE in gaps else [])]

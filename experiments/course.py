@@ -39,15 +39,16 @@ class Course:
         """Train a leg, up to so many steps of all slots, and validate; return how the training stands then."""
         begun = time.perf_counter()
         evaluations = self._learn(leg, until, before.evaluations, advance)
-        standing = self.judge(replace(before, leg=leg, evaluations=evaluations))
-        return replace(standing, seconds=round(before.seconds + time.perf_counter() - begun, 1))
+        seconds = before.seconds + time.perf_counter() - begun
+        return self.judge(replace(before, leg=leg, evaluations=evaluations, seconds=seconds))
 
     def judge(self, standing: Standing) -> Standing:
         """Return how the training stands once its model has played the validation maps."""
-        before = self.validation.runs
+        begun, before = time.perf_counter(), self.validation.runs
         gap = self.validation.gap(self.model)
         judged = replace(
             standing,
+            seconds=round(standing.seconds + time.perf_counter() - begun, 1),
             validation_runs=standing.validation_runs + self.validation.runs - before,
             history=[*standing.history, [standing.evaluations, round(gap, 6)]],
             best=standing.leg if standing.lowest is None or gap < standing.lowest else standing.best,

@@ -43,10 +43,11 @@ class Replayed:
         self._scale = float(learner.settings.get("reward_scale", 1.0))
         given = {name: value for name, value in learner.kwargs.items() if name != "suite"}
         plain = given.items() <= PLAIN.items()
-        if learner.entry.regime != "OneShot" or not plain or not self.steps:
+        if learner.entry.regime != "OneShot" or learner.how != "setting" or not plain or not self.steps:
             raise ParameterError(
                 f"--experience: {learner.algorithm} on {learner.env} replays no table; what does: algorithms with "
-                f"table_steps in their settings, in OneShot, and of the environment's arguments only suite and {PLAIN}"
+                "table_steps in their settings, in OneShot, with --action setting, and of the environment's arguments "
+                f"only suite and {PLAIN}"
             )
         self._table = table = Experience.load(path)
         self._runs = len(table.units) * len(table.costs[0][0])

@@ -4,9 +4,9 @@
 
 writes OUT.safetensors and OUT.json, a policy that ``agents.make("rl", path=OUT)`` follows. Training goes in ten legs.
 After each, the policy plays the validation maps, one episode each, on runs that are counted apart; the best of the ten
-is published. One that changes what it begins from is judged before it has learnt anything, too: where learning only
-harms, what is published stays there. Stopped or killed, the same command goes on after the last whole leg; finished,
-it says so.
+is published. With ``--action moved`` PPO and its like are judged before they have learnt anything, too, when a move is
+a hundredth of a range at most: where learning only harms, what is published stays at its start. Stopped or killed, the
+same command goes on after the last whole leg; finished, it says so.
 
 Every leg begins with new episodes, its seeds a function of the root seed and the leg. So a training that was resumed
 gives the same policy as one that was not, bit for bit, with the same versions on the same machine; the seconds are what
@@ -42,8 +42,6 @@ from experiments.provenance import file_hash
 from experiments.replay import Replayed
 from experiments.training import facts, short
 from experiments.validation import Validation
-
-FROM_A_START = ("moved", "each")  # actions whose middle changes nothing
 
 
 @dataclass(frozen=True)
@@ -203,10 +201,13 @@ def _say_what_is_more(arguments: Arguments, spent: int) -> None:
 
 
 def _begin(learner: Learner, course: Course, kept: Checkpoints) -> None:
-    """Give a new model the trials of its table, and judge the start that it is to change."""
+    """Give a new model the trials of its table, and judge the start where it does not move from it yet."""
     if course.table:
         course.table.fill(course.model)
-    if learner.how in FROM_A_START:
+    nearly_still = hasattr(
+        course.model, "rollout_buffer"
+    )  # those that learn on-policy begin with next to no action
+    if learner.how == "moved" and nearly_still:
         kept.keep(course.model, course.judge(kept.standing))
 
 

@@ -9,7 +9,7 @@ where an agent's setting is clearly worse than one that needs no graph: the publ
 at the same budget; clearly means by more than two standard errors of the fresh runs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -19,12 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.graph import TransferGraph
+from agents.published import PolicyCard, read_card
 from antgym.console import main, parse, progress
 from antgym.errors import ParameterError
 from antgym.maps.suites import load_suite
 from antgym.tuning.ledger import Ledger, LedgerRun
 from experiments import provenance
-from experiments.artefact_files import require_there, spent, trained_hashes
+from experiments.artefact_files import file_of, require_there, spent, trained_hashes
 from experiments.contest import enter, jobs, play
 from experiments.rehearsal import rehearse
 from experiments.statistics import Estimate, cluster_interval, paired_difference, wilson_interval
@@ -150,10 +151,15 @@ def _outcome(runs: Sequence[LedgerRun], maps: int) -> Outcome:
     return Outcome(gaps.reshape(maps, -1, gaps.shape[1]), trials, float(np.isfinite(lengths).mean()))
 
 
-def with_trainings(outcomes: dict[Key, Outcome]) -> dict[Key, Outcome]:
-    """Return the outcomes, and those of several trainings of one agent together, (maps, seeds x trainings, fresh)."""
+def with_trainings(outcomes: dict[Key, Outcome], cards: Mapping[str, PolicyCard]) -> dict[Key, Outcome]:
+    """Return the outcomes, and those of several trainings of one agent together, (maps, seeds x trainings, fresh).
+
+    Args:
+        outcomes: of every agent at every budget.
+        cards: of those that follow policies, by name.
+    """
     together = {}
-    for label, names in trainings(dict.fromkeys(name for _, name in outcomes)).items():
+    for label, names in trainings(cards).items():
         for budget in dict.fromkeys(budget for budget, _ in outcomes):
             members = [outcomes[budget, name] for name in names]
             together[budget, label] = Outcome(
@@ -176,7 +182,9 @@ def report(arguments: Arguments) -> Path:
     new_figure(1, 1)  # a missing library is told before the work, not after it
     outcomes = measure(arguments)
     graph = TransferGraph.load(arguments.artefacts / GRAPH)
-    shown = with_trainings(outcomes)
+    policies = [name for name in arguments.agents if name.startswith("rl:")]
+    cards = {name: read_card(file_of(name, arguments.artefacts)) for name in policies}
+    shown = with_trainings(outcomes, cards)
     arguments.out.mkdir(parents=True, exist_ok=True)
     graph.plot(arguments.out / "graph.png")
     parts = [

@@ -134,6 +134,7 @@ def test_what_is_learnt_may_correct_the_choice_of_another_policy(asked, tmp_path
     check(arguments, train.train(arguments), regime)
     card, _ = load(arguments.out)
     assert (card.action, card.follows, card.start_evaluations) == ("moved", "first", 9)
+    assert (card.history[0][0] == 0) == (algorithm == "PPO")  # an untrained SAC moves from its start
     assert "finished" in train.train(arguments)
     export(blank_model(seed=1), tmp_path / "first")
     play = PolicyController if regime == "Control" else PolicyAgent
@@ -247,6 +248,13 @@ def test_where_learning_only_harms_what_is_published_is_the_start(asked, monkeyp
     assert card.history == [[0, 0.1], [40, 0.5], [80, 0.4]]
     assert (network.action_net.weight.detach().numpy() == seen[0]).all()
     assert (seen[0] != seen[1]).any()
+    item = load_suite("mountain-v0", "test")[0]
+    settings = []
+    for path in (tmp_path / "first", arguments.out):
+        agent = PolicyAgent(path)
+        agent.reset(TuningProblem(item.scenario, item.rules, 5, 3).task(0), seed=0)
+        settings.append(agent.recommend())
+    assert settings[1] == pytest.approx(settings[0], abs=0.01)
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,11 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
+from agents.published import PolicyCard
 from antgym.errors import ParameterError
 from antgym.tuning.ledger import TRIALS
 from experiments import artefacts, transfer
+from experiments.trainings import trainings
 from experiments.transfer import COPY, DEFAULT, Arguments, Outcome
 
 
@@ -73,6 +75,11 @@ def test_worse_is_what_two_standard_errors_cannot_explain():
     assert transfer.worse(ours, ours) == 0
 
 
+def card(seed, evaluations=64, **asked):
+    settings = {"asked": {"seed": seed, "validation": 50, **asked}}
+    return PolicyCard("PPO", "MlpPolicy", {}, 68, seed=seed, evaluations=evaluations, settings=settings)
+
+
 def test_trainings_that_differ_in_their_seed_are_one_agent_too():
     """By hand: two maps, a seed each."""
     first, second, alone = (
@@ -80,20 +87,20 @@ def test_trainings_that_differ_in_their_seed_are_one_agent_too():
         for a, b, trials, arrived in ((0.1, 0.3, 4, 1.0), (0.3, 0.5, 2, 0.5), (0.9, 0.9, 0, 0.0))
     )
     outcomes = {(5, "rl:ppo-1"): first, (5, "rl:ppo-2"): second, (5, "rl:sac-1"): alone}
-    shown = transfer.with_trainings(outcomes)
+    cards = {"rl:ppo-1": card(1), "rl:ppo-2": card(2), "rl:sac-1": card(1)}
+    shown = transfer.with_trainings(outcomes, cards)
     assert set(shown) == {*outcomes, (5, "rl:ppo, 2 trainings")}
     together = shown[5, "rl:ppo, 2 trainings"]
     assert together.means.tolist() == [[0.1, 0.3], [0.3, 0.5]]
     assert (together.trials, together.arrived) == (3.0, 0.75)
 
 
-def test_the_figure_names_the_budgets_that_were_measured():
-    outcome = Outcome(np.full((2, 1, 2), 0.3), 0.0, 1.0)
-    for budgets in ((1, 5), (0, 1, 20)):
-        asked = Arguments(agents=(DEFAULT,), budgets=budgets)
-        (axes,) = transfer._figure(asked, {(budget, DEFAULT): outcome for budget in budgets}).axes
-        assert [tick.get_text() for tick in axes.get_xticklabels()] == [str(budget) for budget in budgets]
-        assert axes.get_xticks(minor=True).tolist() == []
+def test_other_trainings_are_none_of_one_agent_whatever_they_are_called():
+    same = {"a-1": card(1), "a-2": card(2, follows=None)}
+    assert trainings(same) == {"a, 2 trainings": ["a-1", "a-2"]}
+    for other in (card(3, evaluations=32), card(3, follows="0f" * 32)):
+        assert trainings({**same, "a-3": other}) == trainings(same)
+        assert not trainings({"a-1": card(1), "a-2": other})
 
 
 def test_the_references_of_negative_transfer_must_be_there():
