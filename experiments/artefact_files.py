@@ -144,7 +144,7 @@ def trained_hashes(folder: Path, names: Sequence[str] = ()) -> dict[str, str]:
 
     They are those of a folder, and what these agents follow of what is shipped.
     """
-    files = [path for path in sorted(folder.iterdir()) if path.name != MADE]
+    files = [path for path in sorted(folder.iterdir()) if path.is_file() and path.name != MADE]
     return followed_hashes(folder, names) | {path.name: provenance.file_hash(path) for path in files}
 
 

@@ -87,6 +87,7 @@ def test_what_is_shipped_needs_no_file_and_one_of_its_name_goes_before_it(tmp_pa
     assert spent == {"open-one-shot.json": read_card(SHIPPED / "open-one-shot").evaluations}
     assert trained_argument(name, tmp_path) == {"path": SHIPPED / "open-one-shot.json"}
     assert not list(tmp_path.iterdir())
+    (tmp_path / "moved-1.checkpoints").mkdir()  # of a training that was stopped
     pinned = trained_hashes(tmp_path, [name])
     (tmp_path / "open-one-shot.json").write_text('{"evaluations": 3}')
     assert prepare(tmp_path, "mountain-v0", TINY, [name]) == {"open-one-shot.json": 3}
