@@ -6,6 +6,7 @@ under that name where the folder has none.
 
 import difflib
 import json
+import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 
@@ -122,7 +123,9 @@ def way_to(name: str, path: Path, suite: str = "") -> str:
         close = difflib.get_close_matches(name, shipped, n=1) if _own(name) else []
         meant = f"did you mean {close[0]!r}? " if close else ""
         world = world_of(suite)
-        make = f"train PPO {f'antgym/{world}OneShot-v0 ' if world else ''}--out {path.with_suffix('')}"
+        other = f"--kwargs {shlex.quote(json.dumps({'suite': suite}))} " if suite else ""
+        made_on = f"antgym/{world}OneShot-v0 " if world else other
+        make = f"train PPO {made_on}--out {path.with_suffix('')}"
         if kind_of(name) == COMMITTEE:
             make = f"committee {folder}/POLICY {folder}/POLICY"
         return f"{meant}shipped: {', '.join(shipped)}; one of your own: python -m experiments.{make}"

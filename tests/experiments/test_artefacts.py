@@ -81,6 +81,13 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(tmp_path, name, 
         require_there([name], tmp_path, "room-v0")
 
 
+def test_a_policy_for_maps_of_ones_own_is_trained_on_them(tmp_path):
+    with pytest.raises(
+        ParameterError, match=r"""train PPO --kwargs '{"suite": "my/maps"}' --out .*/policy$"""
+    ):
+        require_there(["rl"], tmp_path, "my/maps")
+
+
 def test_what_is_shipped_needs_no_file_and_one_of_its_name_goes_before_it(tmp_path):
     name = "rl:open-one-shot"
     spent = prepare(tmp_path, "mountain-v0", TINY, [name])
