@@ -152,15 +152,15 @@ def trained_hashes(folder: Path, names: Sequence[str] = ()) -> dict[str, str]:
 
 
 def followed_hashes(folder: Path, names: Iterable[str]) -> dict[str, str]:
-    """Return the hashes of the files that these agents follow, members of committees among them, by name."""
-    files: list[Path] = []
+    """Return the hashes of the files that these agents follow, by name; of members by that of their committee, too."""
+    files: dict[str, Path] = {}
     for name in names:
         for path in trained_argument(name, folder).values():
-            cards = (
-                [beside(member, ".json") for member in members_of(path)] if kind_of(name) == COMMITTEE else []
-            )
-            files += [path, *cards]  # a card holds the hash of its weights
-    return {path.name: provenance.file_hash(path) for path in files}
+            files[path.name] = path
+            if kind_of(name) == COMMITTEE:  # a member may be shipped where the folder has another of its name
+                cards = (beside(member, ".json") for member in members_of(path))
+                files |= {f"{path.name}: {card.name}": card for card in cards}  # with the hashes of weights
+    return {name: provenance.file_hash(path) for name, path in files.items()}
 
 
 def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:

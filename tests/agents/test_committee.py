@@ -20,6 +20,7 @@ from antgym.errors import ParameterError
 from antgym.tuning import tune
 from experiments.artefact_files import spent, trained_hashes
 from experiments.committee import Arguments, seat
+from experiments.provenance import file_hash
 
 
 @pytest.fixture
@@ -113,6 +114,24 @@ def test_shipped_policies_sit_beside_others_or_alone_without_a_copy(seated, monk
     assert [path.name for path in alone.parent.iterdir()] == ["committee.json"]
     assert set(trained_hashes(alone.parent, ["rl_committee"])) == {
         "committee.json",
-        "open-one-shot.json",
-        "open-one-shot-2.json",
+        "committee.json: open-one-shot.json",
+        "committee.json: open-one-shot-2.json",
     }
+
+
+def test_a_shipped_member_is_pinned_beside_a_file_of_its_name(seated):
+    name = "rl_committee:open-committee"
+    pinned = trained_hashes(seated, [name])
+    (seated / "open-one-shot.json").write_text("{}")
+    after = trained_hashes(seated, [name])
+    assert after.pop("open-one-shot.json") not in after.values()
+    assert after == pinned
+    assert file_hash(SHIPPED / "open-one-shot.json") in after.values()
+
+
+def test_a_member_that_is_no_longer_the_shipped_one_is_another(seated):
+    committee = seat(asked(seated / "seed-0", "open-one-shot"))
+    pinned = trained_hashes(committee.parent, ["rl_committee"])
+    export(blank_model(seed=9), seated / "open-one-shot")
+    member = "committee.json: open-one-shot.json"
+    assert trained_hashes(committee.parent, ["rl_committee"])[member] != pinned[member]
