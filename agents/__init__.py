@@ -83,12 +83,13 @@ def _foreign_card(name: str) -> Card | None:
         file, kind, summary = find_class(name)
         made_with = {"file": str(file), "kind": kind}
         return Card(name, "agents.stranger:Stranger", made_with, summary, files=(file,))
-    if beside(stem := stem_of(name), ".json").is_file() and not Path(name).is_dir():
+    is_folder, stem = Path(name).is_dir(), stem_of(name)
+    if not is_folder and stem.name and beside(stem, ".json").is_file():
         raise ParameterError(
             f"unknown agent {name!r}; what is in this file is followed as {agent_name(stem)!r}, with the artefacts of "
             f"the folder {stem.parent}"
         )
-    if "/" in name or Path(name).is_dir():
+    if "/" in name or is_folder:
         from agents.submission import card_of
 
         return card_of(name)

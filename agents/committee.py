@@ -3,6 +3,7 @@
 Trainings that differ in their seed alone err on different maps; the mean of their settings errs less than any of them.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -31,12 +32,7 @@ class CommitteeAgent:
 
     def __init__(self, path: str | Path | None = None) -> None:
         self.path = beside(stem_of(shipped(FLAGSHIP) if path is None else find_policy(path)), ".json")
-        self._members = [PolicyAgent(member) for member in Committee.seats(self.path)]
-        for member in self._members:
-            if member.card.regime != "OneShot":
-                raise ParameterError(
-                    f"{self.path}: {member.path.name} is a policy of {member.card.regime}, not OneShot"
-                )
+        self._members = seated(self.path, Committee.seats(self.path))
 
     def reset(self, task: Task, *, seed: int) -> None:
         """Show the task to every member; ParameterError where one was trained on another observation."""
@@ -53,3 +49,18 @@ class CommitteeAgent:
     def recommend(self) -> Floats:
         """Return the mean setting, (d,)."""
         return np.asarray(np.mean([member.recommend() for member in self._members], axis=0), dtype=np.float64)
+
+
+def seated(path: Path, members: Sequence[Path]) -> list[PolicyAgent]:
+    """Return the policies that sit on the committee of a file, which need not be there yet.
+
+    Raises:
+        ParameterError: where one is missing, damaged or no policy of OneShot.
+    """
+    found = [PolicyAgent(member) for member in members]
+    for member in found:
+        if member.card.regime != "OneShot":
+            raise ParameterError(
+                f"{path}: {member.path.name} is a policy of {member.card.regime}, not OneShot"
+            )
+    return found

@@ -20,16 +20,17 @@ def find_policy(path: str | Path, *others: str) -> Path:
     """Return the path of a policy or a committee as it is given, or that of the shipped one where there is no file.
 
     Args:
-        path: NAME of NAME.json, that file, or the name of what is shipped.
+        path: NAME of NAME.json, that file, or the name of what is shipped, which has neither folder nor suffix.
         others: names of another kind that could have been meant.
 
     Raises:
-        ParameterError: where a name without a folder is of neither; it names the nearest.
+        ParameterError: where a name without a folder is of neither, or a file is asked for that is not here; it names
+            the nearest.
     """
     given, stem = Path(path), stem_of(path)
     if stem.name and (stem != Path(stem.name) or beside(stem, ".json").exists()):
         return given
     known = shipped_names()
-    if stem.name not in known:
+    if str(path) not in known:  # "./NAME" and "NAME.json" mean a file
         raise ParameterError(f"{stem}.json: no such policy; {nearest(stem.name, (*known, *others))}")
     return SHIPPED / stem.name

@@ -47,6 +47,7 @@ class MissingExtraError(AntgymError, ImportError):
 
 
 LEAST_BEGINNING = 3  # letters of a name by which a longer one is known
+ALMOST = 0.8  # likeness, from 0 to 1, of a name that is misspelt and no longer one
 
 
 def is_count(value: object) -> bool:
@@ -59,11 +60,16 @@ def is_count(value: object) -> bool:
 def nearest(name: str, known: "list[str] | tuple[str, ...]") -> str:
     """Return the clause that ends an unknown-name message: the nearest valid name and the whole list.
 
-    Nearest is what the name goes on from, as ``"environment"`` does from ``"env"``, or else what it shares most with.
+    Nearest is what the name almost is, or else what it goes on from, as ``"environment"`` does from ``"env"``, or else
+    what it shares most with.
     """
     import difflib
 
     begun = [each for each in known if len(each) >= LEAST_BEGINNING and name.startswith(each)]
-    close = [max(begun, key=len)] if begun else difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+    close = (
+        difflib.get_close_matches(name, known, n=1, cutoff=ALMOST)
+        or sorted(begun, key=len)[-1:]
+        or difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+    )
     hint = f"did you mean {close[0]!r}? " if close else ""
     return f"{hint}valid: {', '.join(known)}"

@@ -6,6 +6,7 @@ under that name where the folder has none.
 
 import difflib
 import json
+import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 
@@ -122,7 +123,9 @@ def way_to(name: str, path: Path, suite: str = "") -> str:
         close = difflib.get_close_matches(name, shipped, n=1) if _own(name) else []
         meant = f"did you mean {close[0]!r}? " if close else ""
         world = world_of(suite)
-        make = f"train PPO {f'antgym/{world}OneShot-v0 ' if world else ''}--out {path.with_suffix('')}"
+        other = f"--kwargs {shlex.quote(json.dumps({'suite': suite}))} " if suite else ""
+        made_on = f"antgym/{world}OneShot-v0 " if world else other
+        make = f"train PPO {made_on}--out {path.with_suffix('')}"
         if kind_of(name) == COMMITTEE:
             make = f"committee {folder}/POLICY {folder}/POLICY"
         return f"{meant}shipped: {', '.join(shipped)}; one of your own: python -m experiments.{make}"
@@ -144,20 +147,20 @@ def trained_hashes(folder: Path, names: Sequence[str] = ()) -> dict[str, str]:
 
     They are those of a folder, and what these agents follow of what is shipped.
     """
-    files = [path for path in sorted(folder.iterdir()) if path.name != MADE]
+    files = [path for path in sorted(folder.iterdir()) if path.is_file() and path.name != MADE]
     return followed_hashes(folder, names) | {path.name: provenance.file_hash(path) for path in files}
 
 
 def followed_hashes(folder: Path, names: Iterable[str]) -> dict[str, str]:
-    """Return the hashes of the files that these agents follow, members of committees among them, by name."""
-    files: list[Path] = []
+    """Return the hashes of the files that these agents follow, by name; of members by that of their committee, too."""
+    files: dict[str, Path] = {}
     for name in names:
         for path in trained_argument(name, folder).values():
-            cards = (
-                [beside(member, ".json") for member in members_of(path)] if kind_of(name) == COMMITTEE else []
-            )
-            files += [path, *cards]  # a card holds the hash of its weights
-    return {path.name: provenance.file_hash(path) for path in files}
+            files[path.name] = path
+            if kind_of(name) == COMMITTEE:  # a member may be shipped where the folder has another of its name
+                cards = (beside(member, ".json") for member in members_of(path))
+                files |= {f"{path.name}: {card.name}": card for card in cards}  # with the hashes of weights
+    return {name: provenance.file_hash(path) for name, path in files.items()}
 
 
 def spent(folder: Path, names: Sequence[str]) -> dict[str, int]:

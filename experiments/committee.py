@@ -13,8 +13,8 @@ from typing import Annotated
 import tyro
 
 from agents.choosing import Committee
-from agents.committee import CommitteeAgent
-from agents.published import SHIPPED, stem_of
+from agents.committee import seated
+from agents.published import SHIPPED, beside, stem_of
 from agents.shipped import find_policy
 from antgym.console import main, parse
 from antgym.errors import ParameterError
@@ -27,27 +27,30 @@ PROG = "python -m experiments.committee"
 class Arguments:
     """Seat a committee of published policies of OneShot, all in one folder or shipped."""
 
-    policies: Annotated[tuple[Path, ...], tyro.conf.Positional]
+    policies: Annotated[tuple[str, ...], tyro.conf.Positional]
     """NAME of NAME.json and NAME.safetensors, each as experiments.train --out wrote it, or of a shipped one."""
 
 
 def seat(arguments: Arguments) -> Path:
-    """Write the committee's file and return it, once all of its members can be read."""
+    """Write the committee's file and return it, once all of its members were read; else all stays as it was."""
     if not arguments.policies:
         raise ParameterError(f"name the policies that sit on it, as: {PROG} out/open/ppo-1 out/open/ppo-2")
     stems = [stem_of(find_policy(policy)) for policy in arguments.policies]
-    folders = {stem.parent for stem in stems if stem.parent.absolute() != SHIPPED.absolute()}
+    shipped = [stem for stem in stems if stem.parent.absolute() == SHIPPED.absolute()]
+    folders = {stem.parent for stem in stems if stem not in shipped}
     if len(folders) > 1:
         raise ParameterError(f"a committee sits in one folder; these are in {sorted(map(str, folders))}")
     folder = folders.pop() if folders else TRAINED
+    for own in (beside(folder / stem.name, ".json") for stem in shipped):
+        if own.is_file():
+            raise ParameterError(
+                f"{own} would sit instead of the shipped {own.stem}; rename its files, or seat it as "
+                f"{stem_of(own)}"
+            )
+    path, committee = folder / COMMITTEE, Committee(tuple(stem.name for stem in stems))
+    seated(path, stems)
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / COMMITTEE
-    Committee(tuple(stem.name for stem in stems)).save(path)
-    try:
-        CommitteeAgent(path)
-    except ParameterError:
-        path.unlink()
-        raise
+    committee.save(path)
     return path
 
 

@@ -175,9 +175,19 @@ def test_searching_beats_the_default_on_an_easy_bowl(name, bowl):
     assert session.left == 0
 
 
-def test_an_unknown_agent_names_the_nearest():
-    with pytest.raises(ParameterError, match="did you mean 'optuna_tpe'"):
-        agents.make("optuna_tp")
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("optuna_tp", "optuna_tpe"),
+        ("best_static_by_rule", "best_static_by_rules"),
+        ("pso_papr", "pso_paper"),
+        ("cma_es_warn", "cma_es_warm"),
+        ("cma_es_of_mine", "cma_es"),
+    ],
+)
+def test_an_unknown_agent_names_the_nearest(name, meant):
+    with pytest.raises(ParameterError, match=f"did you mean '{meant}'"):
+        agents.make(name)
 
 
 def test_a_trained_agent_may_have_a_file_of_its_own_name():

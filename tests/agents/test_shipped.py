@@ -102,5 +102,9 @@ def test_a_file_of_ones_own_goes_before_a_shipped_one(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert find_policy("open-control") == SHIPPED / "open-control"
     assert find_policy("out/open-control") == Path("out/open-control")
+    for name in ("./open-control", "open-control.safetensors"):
+        with pytest.raises(ParameterError, match=r"open-control\.json: no such policy"):
+            find_policy(name)
     (tmp_path / "open-control.json").write_text("{}")
-    assert find_policy("open-control.json").parent != SHIPPED
+    for name in ("open-control", "./open-control", "open-control.json"):
+        assert find_policy(name) == Path(name)

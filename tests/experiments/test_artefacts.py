@@ -81,12 +81,20 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(tmp_path, name, 
         require_there([name], tmp_path, "room-v0")
 
 
+def test_a_policy_for_maps_of_ones_own_is_trained_on_them(tmp_path):
+    with pytest.raises(
+        ParameterError, match=r"""train PPO --kwargs '{"suite": "my/maps"}' --out .*/policy$"""
+    ):
+        require_there(["rl"], tmp_path, "my/maps")
+
+
 def test_what_is_shipped_needs_no_file_and_one_of_its_name_goes_before_it(tmp_path):
     name = "rl:open-one-shot"
     spent = prepare(tmp_path, "mountain-v0", TINY, [name])
     assert spent == {"open-one-shot.json": read_card(SHIPPED / "open-one-shot").evaluations}
     assert trained_argument(name, tmp_path) == {"path": SHIPPED / "open-one-shot.json"}
     assert not list(tmp_path.iterdir())
+    (tmp_path / "moved-1.checkpoints").mkdir()  # of a training that was stopped
     pinned = trained_hashes(tmp_path, [name])
     (tmp_path / "open-one-shot.json").write_text('{"evaluations": 3}')
     assert prepare(tmp_path, "mountain-v0", TINY, [name]) == {"open-one-shot.json": 3}

@@ -214,6 +214,15 @@ def test_a_folder_without_a_manifest_is_named(tmp_path):
         agents.find_card("./nowhere")
 
 
+def test_a_folder_without_a_name_is_a_submission_too(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(folder)
+    assert agents.find_card(".").summary == agents.find_card(str(folder)).summary
+    monkeypatch.chdir(tmp_path)
+    for name in ("", ".", "/"):
+        with pytest.raises(ParameterError, match=r"submission\.json: cannot be read"):
+            agents.find_card(name)
+
+
 def header(tensors, data=b""):
     text = json.dumps(tensors).encode()
     return struct.pack("<Q", len(text)) + text + data
