@@ -53,6 +53,7 @@ class Row:
         optimism: mean of re-evaluated − observed gap; None where nothing was observed.
         card: whatever else there is to say about it; shown as it is.
         failure: how many of its runs its own failure ended, and how; empty where none did.
+        steers: whether it may change a setting within a run.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Row:
     optimism: float | None
     card: dict[str, Any]
     failure: str = ""
+    steers: bool = False
 
     def __post_init__(self) -> None:
         if not self.gaps or not self.gaps[0] or len({len(seeds) for seeds in self.gaps}) > 1:

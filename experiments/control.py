@@ -20,7 +20,7 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
-from agents.steering import PolicyController
+from agents.steering import PolicyController, Schedule
 from antgym.console import main, parse, progress, write_whole
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem, load_suite
@@ -29,6 +29,7 @@ from experiments import provenance
 from experiments.artefact_files import MAKEABLE, policy_file, require_there, trained_hashes
 from experiments.artefacts import prepare
 from experiments.contest import enter
+from experiments.orders import ask
 from experiments.presets import PRESETS
 from experiments.rehearsal import rehearse, rehearse_controllers
 from experiments.statistics import cluster_interval, paired_difference
@@ -83,7 +84,8 @@ def race(arguments: Arguments) -> str:
     policies = list(dict.fromkeys(str(policy_file(name, folder)) for name in named))
     require_there(known, folder, arguments.suite, makes=MAKEABLE)
     rehearse(known, folder, items[0], 0)
-    rehearse_controllers(policies, items[0])
+    rehearse_controllers(policies, items[0], known)
+    changes = card_schedule(arguments.suite) if SCHEDULE in names else None
     config = {
         "code": provenance.code_hash(*provenance.CONTEST),
         "suite": arguments.suite,
@@ -93,7 +95,8 @@ def race(arguments: Arguments) -> str:
     }
     versions = provenance.versions([*known, *(["rl"] if policies else [])])
     with Ledger(arguments.out, config, versions, provenance.facts()) as ledger:
-        entrants = _entrants(arguments, known, policies, schedule=SCHEDULE in names)
+        ask(ledger.folder, (), anew=ledger.renewed)  # before a training, which may be stopped
+        entrants = _entrants(arguments, known, policies, changes)
         ledger.pin(trained_hashes(folder, known) | policy_hashes(policies))
         todo = [Job(e, item, seed) for e in entrants for item in items for seed in range(arguments.seeds)]
         with progress(f"{len(entrants)} controllers, {len(items)} maps", len(todo)) as advance:
@@ -127,11 +130,10 @@ def _items(arguments: Arguments) -> list[SuiteItem]:
 
 
 def _entrants(
-    arguments: Arguments, known: Sequence[str], policies: Sequence[str], *, schedule: bool
+    arguments: Arguments, known: Sequence[str], policies: Sequence[str], changes: Schedule | None
 ) -> list[Entrant]:
     folder = _folder(arguments)
     spent = prepare(folder, arguments.suite, PRESETS[arguments.preset], known)
-    changes = card_schedule(arguments.suite) if schedule else None
     return controllers(enter(known, folder, spent), policies, arguments.against, changes)
 
 

@@ -29,6 +29,7 @@ from experiments.artefact_files import MAKEABLE, policy_file, require_there, tra
 from experiments.artefacts import prepare
 from experiments.board import Track
 from experiments.contest import Entrant, enter, foreign_files
+from experiments.orders import ask
 from experiments.presets import PRESETS, Preset
 from experiments.rehearsal import rehearse, rehearse_controllers
 from experiments.steering import policy_hashes, steerable
@@ -82,9 +83,9 @@ class Arguments:
     """Trials per map; by default 1, 5, 20 and 100 in A and 0, 1, 5 and 20 in B, up to the preset's."""
     maps: int | None = None
     """The first so many maps of the split; by default the preset's number."""
-    controllers: tuple[str, ...] = ()
+    controllers: tuple[str, ...] | None = None
     """Published policies that take part in C beside the agents: their files, rl:NAME, or names of shipped ones; by
-    default the shipped one of Control, where ants are steered."""
+    default the shipped one of Control, where ants are steered; none where no name follows."""
     call_seconds: float = CALL_SECONDS
     """Seconds that an agent of your own may take for one call; then its run has failed, and the board goes on."""
 
@@ -166,7 +167,8 @@ def _rehearse(arguments: Arguments, items: Sequence[SuiteItem]) -> None:
     require_there(names, trained, arguments.suite, makes=MAKEABLE)
     rounds = [(track, budget) for track in _tracks(arguments) for budget in _budgets(track, arguments)]
     rehearse(names, trained, items[0], min(0 if track == "C" else budget for track, budget in rounds))
-    rehearse_controllers(_controllers(arguments) if arguments.controllers else (), items[0])
+    others = (*names, *_submitted(arguments))
+    rehearse_controllers(_controllers(arguments) if arguments.controllers else (), items[0], others)
 
 
 def _tracks(arguments: Arguments) -> list[Track]:
@@ -199,10 +201,12 @@ def _submitted(arguments: Arguments) -> tuple[str, ...]:
 
 def _controllers(arguments: Arguments) -> tuple[str, ...]:
     """Return the policies that steer in C, by their files where they are asked for."""
-    if arguments.controllers or "C" not in arguments.track:
-        files = [policy_file(name, arguments.out / TRAINED) for name in arguments.controllers]
-        return tuple(dict.fromkeys(map(str, files)))
-    return () if are_bees(find_items(arguments.suite, "train").rules) else (FLAGSHIP,)
+    if "C" not in arguments.track:
+        return ()
+    if arguments.controllers is None:
+        return () if are_bees(find_items(arguments.suite, "train").rules) else (FLAGSHIP,)
+    files = [policy_file(name, arguments.out / TRAINED) for name in arguments.controllers]
+    return tuple(dict.fromkeys(map(str, files)))
 
 
 def _agents(arguments: Arguments) -> tuple[str, ...]:
@@ -261,6 +265,7 @@ def run_board(arguments: Arguments) -> Path:
     """Run what is missing of a board, show it, and return the page."""
     plan = plan_board(arguments)
     with Ledger(arguments.out, plan.config, plan.versions, provenance.facts()) as ledger:
+        ask(ledger.folder, (), anew=ledger.renewed)  # before a training, which may be stopped
         rounds = enter_board(arguments, plan)
         ledger.pin(pins(arguments))
         todo = tracks.jobs(rounds)

@@ -15,8 +15,11 @@ def ask(folder: Path, keys: Iterable[str], *, anew: bool = False) -> None:
     Args:
         folder: of the ledger.
         keys: of the runs.
-        anew: whether those of before do not count: they were of other settings, and none of them ran.
+        anew: whether those of before do not count, nor why they broke off: they were of other settings, and none of
+            them ran.
     """
+    if anew:
+        (folder / BROKEN).unlink(missing_ok=True)
     before = [] if anew else asked(folder)
     more = dict.fromkeys([*before, *keys])
     if anew or len(more) > len(before):

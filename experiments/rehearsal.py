@@ -39,14 +39,23 @@ def rehearse(names: Iterable[str], folder: Path, item: SuiteItem, budget: int) -
             raise ParameterError(f"agent {name!r}: {error}") from None
 
 
-def rehearse_controllers(policies: Iterable[str], item: SuiteItem) -> None:
+def rehearse_controllers(policies: Iterable[str], item: SuiteItem, others: Iterable[str]) -> None:
     """Ask policies for what they would set in the first block of a run, which is not played.
 
+    Args:
+        policies: their files, or names of those that are shipped.
+        item: a map, all of whose suite have the same parameters and observations.
+        others: names of who else takes part; that of the schedule is taken even where there is none yet.
+
     Raises:
-        ParameterError: on a file that is no policy of Control or OneShot, or one for another swarm.
+        ParameterError: on a file that is no policy of Control or OneShot, or one for another swarm; on a name that two
+            have.
     """
-    for name in policies:
-        controller, session = steering.policy_entrant(name).controller, Session(problem(item), 1)
+    entrants = [steering.policy_entrant(name) for name in policies]
+    if entrants:
+        steering.require_apart([steering.SCHEDULE, *others, *(entrant.name for entrant in entrants)])
+    for entrant in entrants:
+        controller, session = entrant.controller, Session(problem(item), 1)
         controller.reset(session.task, seed=0)
         session.open(BLOCKS)
         assert session.opened is not None

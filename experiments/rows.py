@@ -14,7 +14,7 @@ from antgym.maps.optimum import shortest_path
 from antgym.maps.suites import SuiteItem
 from antgym.tuning.ledger import TIMING, Ledger, LedgerRun
 from antgym.tuning.lines import read_fields
-from experiments import contest
+from experiments import contest, steering
 from experiments.board import EXACT, VBS, Row
 from experiments.bound import candidates, virtual_best
 from experiments.tracks import Entrant, Job, Round
@@ -45,6 +45,7 @@ def to_row(played: Round, entrant: Entrant, ledger: Ledger, clocks: Clocks) -> R
         optimism=None if steered else _optimism(jobs, runs),
         card=_card(entrant),
         failure=failure,
+        steers=isinstance(entrant, steering.Entrant) and entrant.steers,
     )
 
 

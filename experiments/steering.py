@@ -49,6 +49,11 @@ class Entrant(NamedTuple):
     kind: Literal["agent", "reference"] = "agent"
     summary: str = ""
 
+    @property
+    def steers(self) -> bool:
+        """Whether it may change a setting within the run."""
+        return type(self.controller) is not ConstantController
+
 
 class Job(NamedTuple):
     """One entrant on one map under one seed."""
@@ -184,12 +189,16 @@ def controllers(
             found.append(Entrant(SCHEDULE, ScheduleController(agent, schedule), None, "agent", changed))
     found += [_submission(folder) for folder in submitted]
     found += [policy_entrant(path) for path in policies]
-    names = [entrant.name for entrant in found]
+    require_apart([entrant.name for entrant in found])
+    return found
+
+
+def require_apart(names: Sequence[str]) -> None:
+    """Raise ParameterError where two controllers have the same name."""
     if len(set(names)) < len(names):
         raise ParameterError(
             f"controllers need names of their own, got {', '.join(names)}; rename a policy's files"
         )
-    return found
 
 
 def _submission(folder: str) -> Entrant:

@@ -21,7 +21,8 @@ from typing import Any
 
 from antgym.console import main, parse, progress
 from antgym.errors import AntgymError, LedgerError, MissingExtraError, ParameterError
-from antgym.tuning.ledger import Ledger
+from antgym.tuning.ledger import MANIFEST, TRIALS, Ledger
+from antgym.tuning.manifest import as_json, read_manifest
 from experiments import leaderboard, provenance
 from experiments.orders import ask, note_broken
 from experiments.units import (
@@ -81,12 +82,22 @@ class Sweep:
 
         Every shard notes the same of the sweep, so that none needs to wait for another.
         """
+        out, begun = self.arguments.out, self._begun()
         with Ledger(folder, self.plan.config, self.plan.versions, provenance.facts()) as ledger:
             ledger.pin(leaderboard.pins(self.board))
-            renewed = ledger.renewed
-            ask(folder, keys, anew=renewed)
-            ask(self.arguments.out, self.keys, anew=renewed)
+            if folder != out:
+                ask(folder, keys, anew=ledger.renewed)
+            ask(out, self.keys, anew=not begun)
             yield ledger
+
+    def _begun(self) -> bool:
+        """Whether a ledger of the sweep holds a trial or is of its config, so that what was asked of it counts."""
+        config = as_json(self.plan.config)
+        return any(
+            (folder / TRIALS).stat().st_size or read_manifest(folder)["config"] == config
+            for folder in (self.arguments.out, *shard_folders(self.arguments.out))
+            if (folder / TRIALS).exists() and (folder / MANIFEST).exists()
+        )
 
 
 def board_of(arguments: Arguments) -> leaderboard.Arguments:

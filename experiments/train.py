@@ -67,7 +67,7 @@ class Arguments:
     """The setting that changes or moves begin from, a value from 0 to 1 a parameter; by default the published one."""
     start_by_rules: Path | None = None
     """A file of such settings by rules, as experiments.artefacts best_static_by_rules makes it."""
-    start_by_policy: Path | None = None
+    start_by_policy: str | None = None
     """What changes begin from, chosen by a published policy of OneShot or a committee: what is learnt corrects it. The
     name of a shipped one, as open-committee, or files in the folder of OUT."""
     kwargs: str = "{}"

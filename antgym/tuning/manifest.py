@@ -41,7 +41,7 @@ class Manifest:
 
     Args:
         folder: of the ledger, which is locked.
-        config: what is run, JSON; a folder made with another config is refused.
+        config: what is run, JSON; a folder made with another config is refused unless ``anew``.
         versions: library versions, kept from the first trial on; changes are named when a replay differs.
         facts: anything else worth keeping (commit, CPU, threads), JSON.
         anew: whether the folder holds no trial, so that what was begun there and never ran binds nobody.
@@ -51,7 +51,7 @@ class Manifest:
         renewed: whether the folder was begun with another config before.
 
     Raises:
-        LedgerError: if the folder belongs to another config or schema, or its manifest is damaged.
+        LedgerError: if the folder holds trials of another config, or its manifest is of another schema or damaged.
     """
 
     def __init__(
@@ -65,13 +65,13 @@ class Manifest:
     ) -> None:
         self._folder, self._versions = folder, dict(versions)
         begun = read_manifest(folder) if (folder / MANIFEST).exists() else None  # what is damaged is refused
-        self.renewed = anew and begun is not None and begun["config"] != _plain(config)
+        self.renewed = anew and begun is not None and begun["config"] != as_json(config)
         if anew or begun is None:
-            self.fields = {"schema": SCHEMA, "config": _plain(config), "versions": self._versions, **facts}
+            self.fields = {"schema": SCHEMA, "config": as_json(config), "versions": self._versions, **facts}
             self._write()
         self.fields = read_manifest(folder)
         self._require(
-            self.fields["config"], _plain(config), folder, "use another folder, or what it was begun with"
+            self.fields["config"], as_json(config), folder, "use another folder, or what it was begun with"
         )
 
     @property
@@ -139,7 +139,7 @@ class Manifest:
             raise LedgerError(f"{self._folder} cannot hold a ledger: {error}") from None
 
 
-def _plain(config: Mapping[str, Any]) -> dict[str, Any]:
+def as_json(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return a config as JSON gives it back."""
     plain: dict[str, Any] = json.loads(json.dumps(dict(config)))
     return plain

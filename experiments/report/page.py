@@ -13,7 +13,6 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from agents import CATALOGUE
 from antgym.console import progress, write_whole
 from antgym.errors import AntgymError, MissingExtraError
 from antgym.tuning.kept import KeptRun, read_runs
@@ -160,7 +159,7 @@ def _shown(boards: Sequence[Board], looks: dict[str, Hue]) -> list[int]:
     """
     first = _first(boards)
     ranked = [row.name for row in first.ranked if row.kind == "agent"]
-    steering = [name for name in ranked if first.track == "C" and name.partition(":")[0] not in CATALOGUE]
+    steering = [row.name for row in first.ranked if row.steers]
     names = {SBS, VBS, *ranked[:AT_FIRST], *steering}
     return [hue.number for name, hue in looks.items() if name in names]
 

@@ -1,6 +1,8 @@
 """The race of controllers: the same runs whoever steers, the same ledger however it was stopped."""
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,12 +15,14 @@ from blank_models import blank_model
 from agents.networks import export
 from agents.static import StaticSetting, StaticSettings
 from antgym.errors import LedgerError, ParameterError
+from antgym.tuning.ledger import Ledger
 from antgym.tuning.problem import TRIAL
 from antgym.tuning.run_features import CONTROL_FEATURES
-from experiments import contest, control, steering
+from experiments import contest, control, orders, steering
 from experiments.control import Arguments, race
 from experiments.provenance import CONTEST, code_hash
 
+DOCS = Path(control.__file__).parents[1] / "docs"
 UNIT, NAMES = (0.6, 0.9, 0.4, 0.5), ("alpha", "beta", "rho", "Q")
 
 
@@ -159,6 +163,42 @@ def test_what_cannot_be_raced_is_one_clear_error(asked, controllers, others, mes
     with pytest.raises(ParameterError, match=message):
         race(arguments)
     assert not arguments.out.exists()
+
+
+def test_controllers_of_one_name_are_refused_before_anything_is_written(asked, tmp_path):
+    for name in ("a/steer", "b/steer", "a/schedule"):
+        export(blank_model(size=len(CONTROL_FEATURES), action="each"), tmp_path / name, regime="Control")
+    for names in (("a/steer", "b/steer"), ("a/schedule",)):
+        arguments = asked(*(str(tmp_path / name) for name in names))
+        with pytest.raises(ParameterError, match="names of their own"):
+            race(arguments)
+        assert not arguments.out.exists()
+
+
+def test_a_schedule_on_maps_of_ones_own_is_refused_before_anything_is_written(asked, tmp_path):
+    (tmp_path / "own" / "test").mkdir(parents=True)
+    for name in ("hills.asc", "flat.yaml", "flat.png"):
+        shutil.copy(DOCS / name, tmp_path / "own" / "test")
+    arguments = asked("schedule", suite=str(tmp_path / "own"))
+    with pytest.raises(ParameterError, match="no card tells of schedules"):
+        race(arguments)
+    assert not arguments.out.exists()
+
+
+def test_what_was_asked_under_other_settings_is_forgotten_before_a_training_that_may_be_stopped(
+    asked, monkeypatch
+):
+    arguments = asked()
+    with Ledger(arguments.out, {"of": "before"}, {}):
+        orders.ask(arguments.out, ["old/map/0"])
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(control, "prepare", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        race(arguments)
+    assert orders.asked(arguments.out) == []
 
 
 def test_shipped_policies_are_raced_by_the_names_of_agents_too(asked):

@@ -18,13 +18,16 @@ pytest.importorskip("optuna")  # an agent
 pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
+from agents.published import SHIPPED
+from agents.steering import FLAGSHIP
 from antgym.console import parse
 from antgym.errors import LedgerError, ParameterError
 from antgym.planners.threads import thread_count
-from antgym.tuning.ledger import MANIFEST, TRIALS
+from antgym.tuning.ledger import MANIFEST, TRIALS, Ledger
 from experiments import contest, leaderboard, provenance, steering
 from experiments.artefacts import prepare
 from experiments.leaderboard import Arguments, plan_board, run_board
+from experiments.orders import ask, asked
 from experiments.presets import PRESETS, Preset
 from experiments.tracks import ALWAYS
 
@@ -137,8 +140,11 @@ def test_help_names_every_reference(capsys):
     assert all(name in told for name in (*ALWAYS, "exact planner", "virtual best"))
 
 
-def test_the_command_on_a_board_makes_it_again():
-    given = Arguments("full", Path("x"), suite="own maps", split="test", track=("A", "C"), maps=3)
+@pytest.mark.parametrize("controllers", [None, (), ("x", "y")])
+def test_the_command_on_a_board_makes_it_again(controllers):
+    given = Arguments(
+        "full", Path("x"), suite="own maps", split="test", track=("A", "C"), maps=3, controllers=controllers
+    )
     words = shlex.split(leaderboard.command(given))
     assert words[:3] == ["python", "-m", "experiments.leaderboard"]
     assert parse(Arguments, [*words[3:], "--out", "x"], "board") == given
@@ -203,6 +209,40 @@ def test_a_boards_config_holds_what_decides_failures_and_the_harness_that_does()
     short, long = (plan_board(Arguments("smoke", call_seconds=seconds)).config for seconds in (1.0, 2.0))
     assert {name for name in short if short[name] != long[name]} == {"call_seconds"}
     assert short["code"] == provenance.code_hash(*provenance.CONTEST) != provenance.code_hash()
+
+
+def test_a_board_of_control_that_names_no_policy_needs_none_of_their_libraries(tmp_path):
+    board = Arguments("smoke", tmp_path, ("random_search",), track=("C",), controllers=())
+    plan = plan_board(board)
+    assert "torch" not in plan.versions
+    (played,) = leaderboard.untrained_board(board, plan)
+    assert not {entrant.name for entrant in played.entrants} - {*ALWAYS, steering.SCHEDULE}
+    assert {entrant.name for entrant in played.entrants if entrant.steers} == {steering.SCHEDULE}
+
+
+def test_controllers_of_one_name_are_refused_before_anything_is_written(tmp_path):
+    for path in SHIPPED.glob(f"{FLAGSHIP}.*"):
+        shutil.copy(path, tmp_path)
+    policies = (FLAGSHIP, str(tmp_path / FLAGSHIP))
+    board = Arguments("smoke", tmp_path / "board", ("random_search",), track=("C",), controllers=policies)
+    with pytest.raises(ParameterError, match="controllers need names of their own"):
+        run_board(board)
+    assert not board.out.exists()
+
+
+def test_what_was_asked_under_other_settings_is_forgotten_before_a_training_that_may_be_stopped(
+    tmp_path, monkeypatch
+):
+    with Ledger(tmp_path, {"of": "before"}, {}):
+        ask(tmp_path, ["old/1/map/0"])
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(leaderboard, "prepare", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        run_board(Arguments("smoke", tmp_path, ("random_search",)))
+    assert asked(tmp_path) == []
 
 
 def test_maps_of_ones_own_need_rules_that_agents_can_learn_of(tmp_path):

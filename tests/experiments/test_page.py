@@ -181,10 +181,12 @@ def test_curves_hold_every_budget_of_a_track_and_profiles_end_at_one(site):
 
 
 def test_every_track_begins_with_the_curves_of_those_ahead_and_control_with_whoever_steers(tmp_path):
-    """Eight are tuned; in C two others steer, one is behind all eight, whose settings stay."""
+    """Eight are tuned; in C two others steer, one is behind all, and so is somebody's own, whose setting stays."""
     constants = list(agents.CATALOGUE)[2:10]
     tuned = [row(name, [[0.1 + i / 100] * 2] * 2) for i, name in enumerate(constants)]
-    static, steered = row(SBS, kind="reference"), [row("x", [[0.01] * 2] * 2), row("y", [[0.9] * 2] * 2)]
+    tuned.append(row("mine.py:Mine", [[0.8] * 2] * 2))
+    static = row(SBS, kind="reference")
+    steered = [row(name, [[gap] * 2] * 2, steers=True) for name, gap in (("x", 0.01), ("y", 0.9))]
     boards = [board(*tuned, static), board(*tuned[::-1], *steered, track="C", budget=1)]
     data = json.loads(re.search(r'id="site">(.*?)</script>', written(boards, tmp_path))[1])
     shown = {track: {data["agents"][i]["name"] for i in numbers} for track, numbers in data["shown"].items()}

@@ -11,14 +11,14 @@ pytest.importorskip("plotly")  # the page
 pytest.importorskip("matplotlib")  # the real terrain
 
 from antgym.errors import LedgerError, ParameterError
-from antgym.tuning.ledger import MANIFEST, TRIALS
+from antgym.tuning.ledger import MANIFEST, TRIALS, Ledger
 from antgym.tuning.traces import read_trace
 from experiments import leaderboard
 from experiments.artefacts import MADE, prepare
-from experiments.orders import asked
+from experiments.orders import ask, asked
 from experiments.presets import PRESETS, Preset
 from experiments.status import survey, to_lists
-from experiments.sweep import Arguments, sweep
+from experiments.sweep import Arguments, Sweep, sweep
 from experiments.tracks import ALWAYS
 from experiments.units import UNITS, Shard, units
 
@@ -145,6 +145,21 @@ def test_a_shard_that_is_done_stands_whole_and_its_sweep_lacks_the_others(tiny, 
     (standing,) = survey([tmp_path / "board"])  # where no ledger is
     assert (len(standing.finished), len(standing.missing)) == (RUNS // 2, RUNS // 2)
     assert standing.finished == shard.finished
+
+
+def test_orders_of_other_settings_are_forgotten_and_those_of_this_sweep_are_not(tiny, tmp_path):
+    """Nothing ran under the settings of before; then a shard that was begun with them comes after one that ran."""
+    out, given = tmp_path / "board", tiny("board")
+    with Ledger(Shard(2, 2).folder(out), {"of": "before"}, {}):
+        ask(out, ["old/1/map/0"])
+    sweep(replace(given, shard="1/2"))
+    known = asked(out)
+    assert len(known) == RUNS
+    ask(out, ["another/1/map/0"])
+    with Sweep(given).ledger(Shard(2, 2).folder(out), known[:1]) as ledger:
+        assert ledger.renewed
+    assert asked(out) == [*known, "another/1/map/0"]
+    assert asked(Shard(2, 2).folder(out)) == known[:1]
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 50])

@@ -3,7 +3,6 @@
 import json
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -130,7 +129,7 @@ def test_changes_begin_from_settings_by_rules_that_a_file_holds(asked, tmp_path)
 @pytest.mark.parametrize(("algorithm", "regime"), [("PPO", "Trials"), ("SAC", "OneShot"), ("PPO", "Control")])
 def test_what_is_learnt_may_correct_the_choice_of_another_policy(asked, tmp_path, algorithm, regime):
     export(blank_model(), tmp_path / "first", evaluations=9)
-    arguments = asked(algorithm, regime, action="moved", start_by_policy=tmp_path / "first")
+    arguments = asked(algorithm, regime, action="moved", start_by_policy=str(tmp_path / "first"))
     check(arguments, train.train(arguments), regime)
     card, _ = load(arguments.out)
     assert (card.action, card.follows, card.start_evaluations) == ("moved", "first", 9)
@@ -242,7 +241,7 @@ def test_where_learning_only_harms_what_is_published_is_the_start(asked, monkeyp
         return next(gaps)
 
     monkeypatch.setattr(train.Validation, "gap", gap)
-    arguments = asked(action="moved", start_by_policy=tmp_path / "first", evaluations=80)
+    arguments = asked(action="moved", start_by_policy=str(tmp_path / "first"), evaluations=80)
     train.train(arguments)
     card, network = load(arguments.out)
     assert card.history == [[0, 0.1], [40, 0.5], [80, 0.4]]
@@ -273,15 +272,15 @@ def test_where_learning_only_harms_what_is_published_is_the_start(asked, monkeyp
         ({"start": (0.5,) * 4}, "only where settings are changed"),
         ({"action": "moved"}, "moved from where"),
         (
-            {"action": "moved", "start": (0.5,) * 4, "start_by_policy": Path("open-committee")},
+            {"action": "moved", "start": (0.5,) * 4, "start_by_policy": "open-committee"},
             "--start and --start-by-policy",
         ),
         (
-            {"action": "moved", "start_by_policy": Path("first")},
+            {"action": "moved", "start_by_policy": "first"},
             "first.json: no such policy; did you mean",
         ),
         (
-            {"action": "moved", "start_by_policy": Path("open-control")},
+            {"action": "moved", "start_by_policy": "open-control"},
             "open-control: is a policy of Control that sees features; .* one of OneShot",
         ),
         ({"regime": "Control", "start": (0.5,)}, "needs 4 values"),
@@ -299,9 +298,7 @@ def test_what_makes_no_sense_is_one_clear_error(asked, arguments, message):
 
 
 def test_the_choice_of_another_swarm_is_told_by_its_parameters(asked):
-    arguments = replace(
-        asked(action="moved", start_by_policy=Path("open-committee")), env="antgym/BeeOneShot-v0"
-    )
+    arguments = replace(asked(action="moved", start_by_policy="open-committee"), env="antgym/BeeOneShot-v0")
     with pytest.raises(
         ParameterError, match=r"chooses alpha, .* for ants, and antgym/BeeOneShot-v0 has limit"
     ):

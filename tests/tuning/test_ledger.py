@@ -16,7 +16,7 @@ from antgym.tuning.agent import tune
 from antgym.tuning.ledger import MANIFEST, TIMING, TRIALS, Ledger, Outcome
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Record, Session, Trial
-from experiments.orders import ask, asked
+from experiments.orders import ask, asked, broken, note_broken
 
 CONFIG, VERSIONS = {"budget": 9, "maps": ["a"]}, {"antgym": "1", "numpy": "2"}
 OUTCOME = Outcome((0.1, 0.2, 0.3, 0.4), (130.5, float("inf")), (0.25, 1.0))
@@ -274,14 +274,15 @@ def test_a_folder_in_which_nothing_ran_is_begun_anew(tmp_path):
     """A start that failed before its first trial binds neither to its config nor to its files."""
     with opened(tmp_path) as ledger:
         ledger.pin({"graph.json": "aa"})
-        ask(tmp_path, ["a", "b"])
+        ask(tmp_path, ["a", "b", "c"])
+        note_broken(tmp_path, ["c"], "no memory")
     other = {"budget": 10}
     with opened(tmp_path, other) as ledger:
         ledger.pin({"graph.json": "bb"})
         ask(tmp_path, ["c"], anew=ledger.renewed)
         ledger.run("c").append([record(0)])
         ask(tmp_path, ["d"], anew=ledger.renewed)
-    assert asked(tmp_path) == ["c", "d"]
+    assert (asked(tmp_path), broken(tmp_path)) == (["c", "d"], {})
     with pytest.raises(LedgerError, match="begun with other settings"):
         opened(tmp_path)
     with opened(tmp_path, other) as ledger, pytest.raises(LedgerError, match=r"graph\.json is not the file"):
