@@ -131,7 +131,7 @@ def _learner(arguments: Arguments) -> Learner:
         kwargs,
         _start(arguments),
         arguments.config,
-        arguments.start_by_policy and find_policy(arguments.start_by_policy),
+        None if arguments.start_by_policy is None else find_policy(arguments.start_by_policy),
     )
 
 
