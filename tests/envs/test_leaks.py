@@ -90,7 +90,6 @@ def test_nobody_asks_for_the_optimum_before_a_reward_is_due(entry, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("whole suites")
 def test_no_map_of_the_test_split_needs_its_optimum_to_be_seen(entry, monkeypatch):
     items = load_suite(entry.kwargs["suite"], "test")[
         :

@@ -30,7 +30,6 @@ def card(request):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("whole suites")
 def test_a_card_is_of_todays_maps_rules_and_plans(card):
     """A stale one is measured anew by ``python -m experiments.headroom WORLD``."""
     assert card["fingerprint"] == cards.fingerprint(WORLDS[card["world"]], "full")

@@ -13,7 +13,6 @@ from antgym.maps.suites import SPLITS, load_suite
 from antgym.planners.bee_rules import BEE_PAPERS
 from antgym.planners.rules import PAPERS
 
-pytestmark = pytest.mark.xdist_group("whole suites")
 STRANDS = [
     pytest.param(strand, id=f"{name}-{i}")
     for name, recipe in SUITES.items()

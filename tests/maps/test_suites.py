@@ -12,7 +12,6 @@ from antgym.maps.discs import DiscWorld
 from antgym.maps.recipes import SUITES
 from antgym.maps.suites import SPLITS, Suite, load_suite
 
-pytestmark = pytest.mark.xdist_group("whole suites")  # drawn by one worker, once
 needs_matplotlib = pytest.mark.skipif(
     importlib.util.find_spec("matplotlib") is None, reason="matplotlib is absent"
 )
