@@ -277,7 +277,7 @@ def test_where_a_policy_may_be_played_follows_from_its_environment(
 @pytest.mark.parametrize(
     ("model", "facts", "message"),
     [
-        ({}, {"enviroment": "x"}, "unknown field 'enviroment' of a policy's card; did you mean 'env'"),
+        ({}, {"environ": "x"}, "unknown field 'environ' of a policy's card; did you mean 'env'"),
         ({}, {"env": "Room"}, "unknown environment 'Room'; did you mean 'antgym/RoomTrials-v0'"),
         ({}, {"env": "CartPole-v1"}, "unknown environment 'CartPole-v1'; did you mean 'antgym/"),
         ({}, {"env": "antgym/BeeOneShot-v0"}, "the model sees 68 numbers, antgym/BeeOneShot-v0 shows 36"),

@@ -44,6 +44,7 @@ def figures(tmp_path_factory):
     return returned
 
 
+@pytest.mark.slow
 def test_every_code_gives_finite_positive_figures_or_a_reason(figures):
     mountains = {code.name for code in rivals.CODES if code.takes(bench.TINY)}
     assert {row["code"] for row in figures["rows"]} == mountains
@@ -55,6 +56,7 @@ def test_every_code_gives_finite_positive_figures_or_a_reason(figures):
             assert row["peak_mb"] is not None
 
 
+@pytest.mark.slow
 def test_an_absent_peer_is_skipped_with_its_cure(figures):
     skipped = {row["code"]: row["skipped"] for row in figures["rows"] if row["skipped"]}
     absent = importlib.util.find_spec("aco_routing") is None
@@ -62,10 +64,12 @@ def test_an_absent_peer_is_skipped_with_its_cure(figures):
     assert all("antgym[bench]" in reason for reason in skipped.values())
 
 
+@pytest.mark.slow
 def test_our_own_ratio_is_one(figures):
     assert next(row["ratio"] for row in figures["rows"] if row["code"] == "antgym") == 1.0
 
 
+@pytest.mark.slow
 def test_the_plain_ports_are_the_pinned_ones(figures):
     """Another source is another yardstick: whoever changes it says so, and old ratios do not compare."""
     assert {world: ports.plain_digest(world) for world in PINNED} == PINNED

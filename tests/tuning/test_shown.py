@@ -22,7 +22,7 @@ def test_what_an_environment_says_it_shows_is_what_it_shows(entry):
     ("given", "message"),
     [
         (("Control", ("alpha", "beta")), r"parameters = \['alpha', 'beta'\]: what is chosen is alpha, beta"),
-        (("Contrl", ("alpha", "beta", "rho", "Q")), "unknown regime 'Contrl'; did you mean 'Control'"),
+        (("Controls", ("alpha", "beta", "rho", "Q")), "unknown regime 'Controls'; did you mean 'Control'"),
         (("Trials", ("alpha", "beta", "rho", "Q")), "window = 0: trials that Trials shows; one at least"),
         (("Control", ("alpha", "beta", "rho", "Q"), 5), "window = 5: trials that Control shows; 0"),
     ],
