@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from agents.choosing import start_in
 from agents.networks import Player, load
 from agents.published import SHIPPED, PolicyCard
-from agents.shipped import find_policy
+from agents.shipped import find_policy, shipped_names
 from antgym.errors import ParameterError, nearest
 from antgym.tuning import Task, Trial, incumbent, moved, observe, observe_with_map, settings_of, starts_of
 
@@ -91,8 +91,8 @@ class PolicyAgent:
 
 def shipped(policy: str) -> Path:
     """Return the path of a policy that comes with antgym; ParameterError names those that there are."""
-    if not (SHIPPED / f"{policy}.json").is_file():
-        known = tuple(sorted(path.stem for path in SHIPPED.glob("*.json")))
+    known = shipped_names()
+    if policy not in known:
         hint = nearest(policy, known) if known else "none is, so far"
         raise ParameterError(
             f"agent 'rl' needs path=, the fitted artefact it works with: no policy {policy!r} is shipped; {hint}"

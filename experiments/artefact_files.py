@@ -18,7 +18,7 @@ from agents.graph import TransferGraph
 from agents.published import SHIPPED, beside, stem_of
 from agents.shipped import agent_name, find_policy, shipped_names
 from agents.static import StaticSetting, StaticSettings
-from antgym.envs.catalogue import WORLDS
+from antgym.envs.catalogue import world_of
 from antgym.errors import ParameterError
 from experiments import provenance
 
@@ -135,11 +135,6 @@ def way_to(name: str, path: Path, suite: str = "") -> str:
             f"what has a name of its own is made apart: {make} ANOTHER makes a {kind_of(name)} to put there"
         )
     return f"make it with: {make} {folder}"
-
-
-def world_of(suite: str) -> str:
-    """Return the world whose suite this is, "" where it is of none."""
-    return next((world for world, its in WORLDS.items() if its == suite), "")
 
 
 def trained_hashes(folder: Path, names: Sequence[str] = ()) -> dict[str, str]:

@@ -26,6 +26,7 @@ from agents.fitting import trials_needed
 from agents.graph import TransferGraph
 from agents.static import race, race_by_rules
 from antgym.console import main, parse, progress, write_whole
+from antgym.envs.catalogue import world_of
 from antgym.envs.scenarios import find_items
 from antgym.errors import ParameterError
 from antgym.maps.suites import SuiteItem
@@ -34,7 +35,7 @@ from antgym.tuning.features import task_table
 from antgym.tuning.problem import TuningProblem
 from antgym.tuning.session import Session
 from experiments import train
-from experiments.artefact_files import MADE, TRAINED, files_needed, require_there, spent, world_of
+from experiments.artefact_files import MADE, TRAINED, files_needed, require_there, spent
 from experiments.presets import PRESETS, Preset
 from experiments.watching import WatchedSession
 

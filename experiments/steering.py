@@ -21,7 +21,7 @@ from agents.steering import ConstantController, Controller, PolicyController, Sc
 from agents.stranger import Stranger
 from agents.submission import SubmittedController
 from antgym.envs.cards import load_card
-from antgym.envs.catalogue import WORLDS
+from antgym.envs.catalogue import world_of
 from antgym.envs.control import BLOCKS, LEAST_ITERATIONS
 from antgym.errors import AgentError, ParameterError
 from antgym.maps.fleet import Fleet
@@ -230,8 +230,8 @@ def card_schedule(suite: str) -> Schedule:
 
 def find_schedule(suite: str) -> Schedule | None:
     """Return the schedule that the card of a suite's world found best on train maps, None where no card tells."""
-    worlds = [world for world, its in WORLDS.items() if its == suite]
-    card = load_card(worlds[0]) if worlds else None
+    world = world_of(suite)
+    card = load_card(world) if world else None
     if not card or not card["dynamic"]:
         return None
     names = parameter_names(load_suite(suite, "train").rules[0])

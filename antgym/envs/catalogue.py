@@ -57,6 +57,11 @@ CATALOGUE = tuple(
 )
 
 
+def world_of(suite: Any) -> str:
+    """Return the world whose suite this is, "" where it is of none."""
+    return next((world for world, its in WORLDS.items() if its == suite), "")
+
+
 def register_all() -> None:
     """Register every id; entry points are strings, so nothing is imported before ``gymnasium.make``."""
     for entry in CATALOGUE:

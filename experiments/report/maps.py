@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from antgym.envs.cards import load_card
-from antgym.envs.catalogue import WORLDS
+from antgym.envs.catalogue import world_of
 from antgym.envs.control import BLOCKS
 from antgym.tuning.kept import KeptRun
 from experiments.board import EXACT, Board, Picture
@@ -47,15 +47,14 @@ def map_data(
 
 def symbols(board: Board) -> list[str]:
     """Return the names of a setting's numbers, as the card of the board's world has them; none without a card."""
-    world = world_of(board)
+    world = world_behind(board)
     card = load_card(world) if world else None
     return [SYMBOLS.get(name, name) for name in card["main effects"]] if card else []
 
 
-def world_of(board: Board) -> str | None:
-    """Return the world whose suite a board was played on, None where its manifest names no such suite."""
-    suite = board.manifest.get("config", {}).get("suite")
-    return next((world for world, its in WORLDS.items() if its == suite), None)
+def world_behind(board: Board) -> str:
+    """Return the world whose suite a board was played on, "" where its manifest names no such suite."""
+    return world_of(board.manifest.get("config", {}).get("suite"))
 
 
 def _picture(board: Board, picture: Picture, hues: dict[str, Hue]) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from experiments.report.cards import agent_card, definition, flat
 from experiments.report.curves import anytime, profile, reached
 from experiments.report.hues import Hue, hues
 from experiments.report.importance import importance
-from experiments.report.maps import map_data, world_of
+from experiments.report.maps import map_data, world_behind
 from experiments.report.titles import board_id, board_label, choice, result, site_title
 from experiments.report.versus import versus
 from experiments.statistics import TARGETS
@@ -136,7 +136,7 @@ def _page(boards: Sequence[Board], looks: dict[str, Hue], data: str, advance: Ca
         title=escape(title),
         description=escape(f"{title}: agents that tune a swarm path planner, {size(boards[0])}."),
         boards=_choices(boards),
-        importance=importance([world for board in boards if (world := world_of(board))]),
+        importance=importance([world for board in boards if (world := world_behind(board))]),
         agents="\n".join(agent_card(name, boards, looks[name], labels) for name in _named(boards)),
         meanings="\n".join(definition(column.heading, column.meaning) for column in COLUMNS),
         making="\n".join(_making(board) for board in _made_apart(boards)),

@@ -144,13 +144,15 @@ def test_a_policy_that_steers_is_no_agent(tmp_path):
 
 
 def test_without_a_shipped_policy_rl_asks_for_a_path(tmp_path, monkeypatch):
-    monkeypatch.setattr(agents.policy, "SHIPPED", tmp_path)
+    for module in (agents.policy, agents.shipped):
+        monkeypatch.setattr(module, "SHIPPED", tmp_path)
     with pytest.raises(ParameterError, match="agent 'rl' needs path="):
         agents.make("rl")
 
 
 def test_a_shipped_policy_needs_no_path(tmp_path, monkeypatch, bowl):
-    monkeypatch.setattr(agents.policy, "SHIPPED", tmp_path)
+    for module in (agents.policy, agents.shipped):
+        monkeypatch.setattr(module, "SHIPPED", tmp_path)
     export(blank_model(), tmp_path / "open-one-shot", env="antgym/OpenOneShot-v0")
     export(blank_model(seed=1), tmp_path / "room-one-shot", env="antgym/RoomOneShot-v0")
     flagship, other = (

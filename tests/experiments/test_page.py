@@ -87,6 +87,17 @@ def test_page_says_what_it_is_and_holds_every_row_map_and_column(page):
     assert all(name in page for name in SCENARIOS)
 
 
+def test_the_world_of_a_board_comes_first_and_is_marked(tmp_path):
+    recorded([], tmp_path)
+    rows = tuple(replace(one, kind="reference") for one in fake_board().rows)
+    manifest = {**fake_board().manifest, "config": {"suite": "room-v0"}}
+    board = replace(fake_board(), rows=rows, manifest=manifest)
+    page = write_site([board], tmp_path, tmp_path).read_text(encoding="utf-8")
+    first = page.partition('<div class="world">')[2].partition("</h3>")[0]
+    assert "Room" in first
+    assert page.count('<span class="own">this board</span>') == first.count("this board") == 1
+
+
 def test_page_tells_the_command_and_every_version(page):
     shown = fake_board()
     assert escape(shown.command) in page
