@@ -7,7 +7,7 @@ never fall between neighbouring numbers; :func:`exp2` may, by one unit in the la
 
 import numpy as np
 
-from antgym.kernels import inlined
+from antgym.kernels import formula
 
 _F = np.float32
 _ONE, _HALF_BITS = _F(1.0), np.int32(0x3F3504F3)  # bits of sqrt(1/2): mantissas go to [0.707, 1.414)
@@ -23,7 +23,7 @@ _BITS52, _BIAS64 = np.int64(52), np.int64(1023)
 _MANTISSA64, _ONE64 = np.int64(0xFFFFFFFFFFFFF), np.int64(0x3FF0000000000000)
 
 
-@inlined
+@formula
 def log2(x: np.float32) -> np.float32:
     """Return the binary logarithm of a positive normal float32."""
     bits = _F(x).view(np.int32)
@@ -35,7 +35,7 @@ def log2(x: np.float32) -> np.float32:
     return _F(np.int32(exponent >> _SHIFT)) + series
 
 
-@inlined
+@formula
 def log2_wide(x: np.float64) -> np.float32:
     """Return log2(x), rounded to float32, of a positive normal float64 over its whole range."""
     bits = np.float64(x).view(np.int64)
@@ -44,7 +44,7 @@ def log2_wide(x: np.float64) -> np.float32:
     return _F(exponent) + log2(_F(mantissa))
 
 
-@inlined
+@formula
 def exp2(x: np.float32) -> np.float32:
     """Return 2^x; zero below x = -126, 2^126 above x = 126."""
     clipped = min(max(x, _LOWEST), _HIGHEST)

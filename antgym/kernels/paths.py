@@ -1,7 +1,7 @@
 """Exact shortest paths: dynamic programming over rolling layers for the layered motion, A* for grids.
 
 Both return the smallest of all sums that add a path's moves from the start on, one addition a move: rounding is
-monotone, so cell by cell a larger sum never becomes the smaller one.
+monotone, so cell by cell a larger sum never becomes the smaller one. Beside them, how often a walk at random arrives.
 """
 
 import numpy as np
@@ -58,6 +58,54 @@ def layered_distances(bits, strides, required, steps, lengths, start, goal, reac
                             moves[layer, yn, zn] = k
         here, there = there, here
     return here[goal[1], goal[2]]
+
+
+@kernel
+def layered_arrival(bits, strides, required, steps, start, goal, reach, planes):
+    """Return the probability that an ant that takes every legal move equally often arrives.
+
+    Layers are swept from the goal back: the chance of a cell is the mean over its legal moves, added in their order.
+
+    Args:
+        bits: flat uint8, a bit a cell, 1 = free, blocked borders of ``reach`` cells around y and z.
+        strides: (3,) int64 of ``bits`` along x, y, z, in cells.
+        required: (k, r) int64: for each move the offsets into ``bits`` of the cells that it needs free.
+        steps: (k, 3) int64, cells moved.
+        start: (3,) int64 cell in storage indices.
+        goal: (3,) int64 cell in storage indices.
+        reach: cells that y and z may change per layer.
+        planes: (2, sy, sz) float64, scratch: the chances of this layer and of the next.
+    """
+    _, sy, sz = planes.shape
+    layers = goal[0] - start[0]
+    here, there = planes[0], planes[1]
+    there[:, :] = 0.0
+    there[goal[1], goal[2]] = 1.0
+    for layer in range(layers - 1, -1, -1):
+        here[:, :] = 0.0
+        left, spread = reach * (layers - layer), reach * layer
+        lowest_y, lowest_z = max(start[1] - spread, goal[1] - left), max(start[2] - spread, goal[2] - left)
+        highest_y, highest_z = min(start[1] + spread, goal[1] + left), min(start[2] + spread, goal[2] + left)
+        for y in range(max(reach, lowest_y), min(sy - reach - 1, highest_y) + 1):
+            for z in range(max(reach, lowest_z), min(sz - reach - 1, highest_z) + 1):
+                cell = (start[0] + layer) * strides[0] + y * strides[1] + z
+                if is_free(bits, cell):
+                    here[y, z] = _mean_onward(bits, required, steps, cell, y, z, goal, left - reach, there)
+        here, there = there, here
+    return there[start[1], start[2]]
+
+
+@inlined
+def _mean_onward(bits, required, steps, cell, y, z, goal, left, there):
+    """Return the mean over the legal moves from a cell of what they lead to, 0 where there is none."""
+    total, legal = 0.0, 0
+    for k in range(steps.shape[0]):
+        yn, zn = y + steps[k, 1], z + steps[k, 2]
+        keeps = abs(yn - goal[1]) <= left and abs(zn - goal[2]) <= left
+        if keeps and _all_free(bits, required, k, cell):
+            total += there[yn, zn]
+            legal += 1
+    return total / max(legal, 1)
 
 
 @inlined

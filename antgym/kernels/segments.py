@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from antgym.kernels import inlined, kernel
+from antgym.kernels import called, formula, inlined
 from antgym.kernels.hive import GAP, HITS, LANES, LENGTH, MADE
 
 TINY = 1e-300  # a segment whose squared length is below it is a point: the reciprocal must stay finite
@@ -43,7 +43,7 @@ def clearance(x, y, radius, ax, ay, bx, by, gaps):
     return least(least(first, second), least(third, fourth))
 
 
-@inlined
+@formula
 def cost(run, length, gap, hits):
     """Return f of a path: its length, smallest clearance and number of segments that touch a disc.
 
@@ -66,7 +66,7 @@ def cost(run, length, gap, hits):
     return (b + root) / (2.0 * d) if b > 0.0 or inside <= 0.0 else 2.0 * both / (root - b)
 
 
-@kernel
+@called
 def measure(run, discs, comb, s):
     """Measure a whole path."""
     x, y, radius = (
@@ -88,7 +88,7 @@ def measure(run, discs, comb, s):
     add_up(run, comb, s)
 
 
-@kernel
+@called
 def add_up(run, comb, s):
     """Add up the segments of a source from the start on and from the goal back, and its cost."""
     before, after, last = comb.before, comb.after, run.points + 1

@@ -157,7 +157,7 @@ def lives(pid):
     """Whether a process is there and not merely waiting to be buried."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z"
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):  # the latter: it ended between opening and reading
         return False
 
 

@@ -91,12 +91,13 @@ def test_nobody_asks_for_the_optimum_before_a_reward_is_due(entry, monkeypatch):
 
 @pytest.mark.slow
 def test_no_map_of_the_test_split_needs_its_optimum_to_be_seen(entry, monkeypatch):
+    """In one regime every map; how it is described does not depend on the regime, so every fifth in the others."""
     items = load_suite(entry.kwargs["suite"], "test")[
         :
     ]  # made before: recipes leave out worlds with long detours
     monkeypatch.setattr(Scenario, "optimum", refused)
     for kind in ("map2d", "map3d"):
         env = gymnasium.make(entry.id, **{**settings(entry), "observation": kind})
-        for i in range(len(items)):
+        for i in range(0, len(items), 1 if entry.regime == "OneShot" else 5):
             vars(items[i].scenario).pop("descriptors", None)  # seen anew
             assert env.reset(seed=0, options={"scenario": i})[0] in env.observation_space

@@ -103,6 +103,7 @@ def test_the_plane_is_walked_and_solved_by_its_own_codes():
     assert next(row["ns_per_move"] for row in rows if row["code"] == "antgym") > 0
 
 
+@pytest.mark.slow
 def test_bees_stand_beside_their_own_codes():
     rows = {row["code"]: row for row in speed.measure(FEW_BEES, repeats=1, memory=False)}
     assert set(rows) == {"antgym", "antgym, wu2018", "plain numba port", "mealpy", "beecolpy", "exact: ours"}
@@ -126,6 +127,7 @@ def test_a_vast_scenario_is_one_at_any_size():
     assert small.optimum >= small.straight_line
 
 
+@pytest.mark.slow
 def test_codes_walk_about_as_many_moves_as_ours():
     """The same equations on the same map: what dies on the way is a matter of chance, not of the code."""
     ours = bench.our_planner(SMALL)(1)

@@ -202,11 +202,12 @@ def test_the_command_line_knows_four_papers_and_teaches_them(capsys):
 
 
 @pytest.mark.slow
-@each_comparison
-def test_the_paper_is_right_on_as_many_of_a_hundred_maps_as_asked(paper):
-    result = compare(replace(paper.COMPARISON, ideas={}), Options())
+@pytest.mark.parametrize(("paper", "maps"), [(zhang_apf, 100), (zhang2011, 50), (wei2018, 50)])
+def test_the_paper_is_right_on_as_many_maps_as_asked(paper, maps):
+    """Half of the hundred maps tell what is well above its bar from what is not."""
+    result = compare(replace(paper.COMPARISON, ideas={}), Options(share=maps / 100))
     findings = find(result, paper.claims)
-    assert len(findings.tally.lower) == 100
+    assert len(findings.tally.lower) == maps
     assert findings.claims[0].holds, findings.claims[0]
 
 

@@ -15,6 +15,7 @@ from reference import paths
 
 from antgym.errors import ScenarioError
 from antgym.maps import optimum
+from antgym.maps.generators import random_arrival
 from antgym.maps.motion import CORNERS, REACH, Motion
 from antgym.maps.optimum import shortest_path
 from antgym.maps.world import GridWorld, Scenario
@@ -172,16 +173,20 @@ def test_an_empty_world_is_crossed_diagonally_first(motion, length):
 SCRIPT = """
 import json
 import test_optimum
-print(json.dumps([length.hex() for length in test_optimum.lengths_of_fixed_worlds()]))
+print(json.dumps([found.hex() for found in test_optimum.found_in_fixed_worlds()]))
 """
 
 
-def lengths_of_fixed_worlds():
+def found_in_fixed_worlds():
+    """Optima, and of the layered motions how often ants arrive that walk at random."""
     for seed, motion in enumerate(MOTIONS):
         flat = motion.name in ("grid4", "grid8")
         free = np.random.default_rng(seed).random((7, 7, 1 if flat else 3)) < 0.8
         free[0, 0, 0] = free[6, 6, 0] = True
-        yield optimum_of(Scenario(GridWorld(free, (3.0, 2.0, 1.0)), (0, 0, 0), (6, 6, 0), motion))
+        scenario = Scenario(GridWorld(free, (3.0, 2.0, 1.0)), (0, 0, 0), (6, 6, 0), motion)
+        yield optimum_of(scenario)
+        if motion.layered:
+            yield random_arrival(scenario)
 
 
 def test_interpreted_kernels_find_the_same_to_the_bit():
@@ -189,7 +194,7 @@ def test_interpreted_kernels_find_the_same_to_the_bit():
     paths = os.pathsep.join(map(str, (tests.parent, tests, tests / "maps")))
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths}
     done = subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, check=True)
-    assert json.loads(done.stdout) == [length.hex() for length in lengths_of_fixed_worlds()]
+    assert json.loads(done.stdout) == [found.hex() for found in found_in_fixed_worlds()]
 
 
 @pytest.mark.slow

@@ -10,9 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from antgym.errors import MapError, ScenarioError
-from antgym.maps.features import legal_moves, within_reach
 from antgym.maps.motion import REACH, move_table
-from antgym.maps.world import GridWorld, Scenario
+from antgym.maps.world import PAD, GridWorld, Scenario
 
 EDGE = 15.0  # mm, liu2020: of the cubes that the layered worlds are made of
 SMALLEST = 8
@@ -30,9 +29,14 @@ def straight_line(scenario: Scenario) -> float:
 
 
 def unobstructed(scenario: Scenario) -> float:
-    """Return what the optimum would be if nothing were blocked, in world units."""
-    world = GridWorld(np.ones_like(scenario.world.free), scenario.world.cell)
-    return replace(scenario, world=world).optimum
+    """Return what the optimum would be if nothing were blocked, in world units.
+
+    Where nothing is, a shortest path stays in the box that start and goal span: no more of the world is searched.
+    """
+    ends = np.array([scenario.start, scenario.goal])
+    start, goal = (tuple(end.tolist()) for end in ends - ends.min(axis=0))
+    box = GridWorld(np.ones(np.ptp(ends, axis=0) + 1, np.uint8), scenario.world.cell)
+    return replace(scenario, world=box, start=start, goal=goal).optimum
 
 
 def redrawn(
@@ -73,20 +77,21 @@ def has_path(scenario: Scenario) -> bool:
 
 def random_arrival(scenario: Scenario) -> float:
     """Return the exact probability that an ant that takes every legal move equally often arrives."""
-    steps = move_table(scenario.motion).steps
-    candidates = within_reach(scenario)
-    _, ny, nz = scenario.world.shape
-    chances = np.zeros((ny + 2 * REACH, nz + 2 * REACH))
-    chances[scenario.goal[1] + REACH, scenario.goal[2] + REACH] = 1.0
-    for layer in range(scenario.layers - 1, -1, -1):
-        x = scenario.start[0] + layer
-        y, z = np.nonzero(candidates[layer] & (scenario.world.free[x] != 0))
-        legal = legal_moves(scenario, np.stack([np.full_like(y, x), y, z], axis=1))
-        y, z = y + REACH, z + REACH
-        onward = (legal * chances[y[:, None] + steps[:, 1], z[:, None] + steps[:, 2]]).sum(axis=1)
-        chances = np.zeros_like(chances)
-        chances[y, z] = onward / np.maximum(legal.sum(axis=1), 1)
-    return float(chances[scenario.start[1] + REACH, scenario.start[2] + REACH])
+    from antgym.kernels.paths import layered_arrival
+
+    table, strides = move_table(scenario.motion), np.array(scenario.world.strides)
+    return float(
+        layered_arrival(
+            scenario.world.bits,
+            strides,
+            table.required @ strides,
+            table.steps,
+            np.asarray(scenario.start) + PAD,
+            np.asarray(scenario.goal) + PAD,
+            REACH,
+            np.empty((2, *scenario.world.padded[1:])),
+        )
+    )
 
 
 def _worthwhile(scenario: Scenario, rng: np.random.Generator, shortest: Callable[[Scenario], float]) -> bool:
