@@ -146,3 +146,11 @@ class PolicyController:
         else:
             self._setting = changed(self._setting[None], action[None], self.card.action)[0]
         return self._setting
+
+
+class HeldController(PolicyController):
+    """A published policy of Control whose first setting stays: by so much as it is worse, steering is worth it."""
+
+    def act(self, observation: NDArray[np.float32]) -> Floats:
+        """Return the setting that the policy asked for before the first block."""
+        return super().act(observation) if self._first else self._setting

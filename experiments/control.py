@@ -6,7 +6,8 @@ plays every controller on the maps of a split, one run of ten blocks per map and
 the same seeds, which no training and no other harness uses. What is raced is an agent of the catalogue, whose
 recommendation without a trial then stays; ``schedule``, the best one of the suite's card on top of the setting of
 ``--against``; or a policy, its file, ``rl:NAME`` or the name of a shipped one: one of Control steers, one of OneShot
-chooses once. Trainings that differ in their seed alone, as out/steer-1 and out/steer-2 may, are shown together, too.
+chooses once. With ``--held`` a policy that steers is raced against its own first setting, too. Trainings that differ
+in their seed alone, as out/steer-1 and out/steer-2 may, are shown together, too.
 Stopped, the same command goes on; with more controllers, it plays those that are new.
 """
 
@@ -20,6 +21,8 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
+from agents.published import read_card
+from agents.shipped import find_policy
 from agents.steering import PolicyController, Schedule
 from antgym.console import main, parse, progress, write_whole
 from antgym.errors import ParameterError
@@ -39,6 +42,7 @@ from experiments.steering import (
     Job,
     card_schedule,
     controllers,
+    held,
     play,
     policy_hashes,
     steerable,
@@ -64,6 +68,8 @@ class Arguments:
     """The first so many maps; all by default."""
     seeds: int = 3
     """Runs of every controller on every map."""
+    held: bool = False
+    """Race each policy of Control a second time, as held:NAME, with its setting for the first block throughout."""
     against: str = STATIC
     """The agent whose setting all are compared with, and which a schedule changes."""
     preset: Literal["smoke", "quick", "full"] = "quick"
@@ -85,6 +91,8 @@ def race(arguments: Arguments) -> str:
     require_there(known, folder, arguments.suite, makes=MAKEABLE)
     rehearse(known, folder, items[0], 0)
     rehearse_controllers(policies, items[0], known)
+    if arguments.held and not any(read_card(find_policy(name)).regime == "Control" for name in policies):
+        raise ParameterError("--held: no policy of Control is raced; name one, as open-control")
     changes = card_schedule(arguments.suite) if SCHEDULE in names else None
     config = {
         "code": provenance.code_hash(*provenance.CONTEST),
@@ -134,7 +142,8 @@ def _entrants(
 ) -> list[Entrant]:
     folder = _folder(arguments)
     spent = prepare(folder, arguments.suite, PRESETS[arguments.preset], known)
-    return controllers(enter(known, folder, spent), policies, arguments.against, changes)
+    found = controllers(enter(known, folder, spent), policies, arguments.against, changes)
+    return [*found, *(held(found) if arguments.held else [])]
 
 
 def gaps_of(entrant: Entrant, items: Sequence[SuiteItem], seeds: int, ledger: Ledger) -> NDArray[np.float64]:

@@ -17,7 +17,14 @@ from agents import find_card
 from agents.policy import PolicyAgent
 from agents.published import beside, read_card, stem_of
 from agents.shipped import find_policy
-from agents.steering import ConstantController, Controller, PolicyController, Schedule, ScheduleController
+from agents.steering import (
+    ConstantController,
+    Controller,
+    HeldController,
+    PolicyController,
+    Schedule,
+    ScheduleController,
+)
 from agents.stranger import Stranger
 from agents.submission import SubmittedController
 from antgym.envs.cards import load_card
@@ -52,7 +59,7 @@ class Entrant(NamedTuple):
     @property
     def steers(self) -> bool:
         """Whether it may change a setting within the run."""
-        return type(self.controller) is not ConstantController
+        return type(self.controller) not in (ConstantController, HeldController)
 
 
 class Job(NamedTuple):
@@ -218,6 +225,16 @@ def policy_entrant(name: str) -> Entrant:
     controller = PolicyController(path) if card.regime == "Control" else ConstantController(PolicyAgent(path))
     training = card.evaluations + card.start_evaluations
     return Entrant(stem_of(path).name, controller, training, "agent", f"published policy of {card.regime}")
+
+
+def held(entrants: Iterable[Entrant]) -> list[Entrant]:
+    """Return the policies of Control among those who steer once more, as held:NAME, whose first setting stays."""
+    found = []
+    for name, controller, training, kind, _ in entrants:
+        if isinstance(controller, PolicyController):
+            first = f"the setting of {name} for the first block, throughout"
+            found.append(Entrant(f"held:{name}", HeldController(controller.path), training, kind, first))
+    return found
 
 
 def card_schedule(suite: str) -> Schedule:

@@ -80,13 +80,13 @@ def test_what_an_agent_must_not_do_is_named(play, kind, message):
     ("kind", "call"), [("HangsAwake", "ask"), ("HangsAsleep", "tell"), ("HangsAtBirth", "make")]
 )
 def test_a_hang_is_stopped(play, kind, call):
-    with pytest.raises(AgentError, match=rf"{call}\(\) hung: no answer within 0.2 s"):
-        play(kind, seconds=0.2)
+    with pytest.raises(AgentError, match=rf"{call}\(\) hung: no answer within 0.5 s"):
+        play(kind, seconds=0.5)
 
 
 def test_who_hung_three_times_is_not_waited_for_again(problem):
     """Neither by runs that have begun beside those that hung, nor by later ones."""
-    agent = agents.make(f"{ZOO}:HangsAwake", seconds=0.2)
+    agent = agents.make(f"{ZOO}:HangsAwake", seconds=0.5)
     together = [copy(agent) for _ in range(5)]
     for each in together[:4]:
         each.reset(problem.task(7), seed=0)

@@ -99,6 +99,19 @@ def test_trainings_that_differ_in_their_seed_are_shown_as_one_too(asked, tmp_pat
     assert together == pytest.approx((means["steer-1"] + means["steer-2"]) / 2, abs=0.011)
 
 
+def test_a_policy_is_raced_against_its_own_first_setting(asked):
+    """The same setting for all blocks, that of the policy for the first."""
+    arguments = asked("open-control", "open-one-shot", held=True)
+    assert "`held:open-control`" in race(arguments)
+    units = {line["run"]: line["unit"] for line in map(json.loads, outcomes(arguments))}
+    steered = [run for run in units if run.startswith("open-control/")]
+    assert len(steered) == 6
+    for run in steered:
+        assert units[f"held:{run}"] == units[run][:4] * 10
+    assert any(units[run] != units[run][:4] * 10 for run in steered)
+    assert not any(run.startswith("held:") for run in units if "open-control" not in run)
+
+
 def test_a_race_that_was_stopped_ends_in_the_same_ledger_and_plays_nothing_twice(asked, monkeypatch):
     whole, cut = asked("published_default", out="whole"), asked("published_default", out="cut")
     race(whole)
@@ -151,6 +164,7 @@ def test_a_policy_that_was_changed_meanwhile_is_refused(asked, tmp_path):
         (("rl:open-trials",), {}, "policies of Control and OneShot take part"),
         (("rl_committee",), {}, "shipped: rl_committee:open-committee"),
         (("open-control",), {"suite": "tabu-bee-v0"}, r"picks \['alpha'.* the task has \['limit'"),
+        (("open-one-shot",), {"held": True}, "--held: no policy of Control is raced"),
         ((), {"seeds": 0}, "--seeds 0"),
         ((), {"maps": 1}, "--suite mountain-v0 --split test: 1 map, .* two at least"),
         ((), {"against": "best_statics"}, "unknown agent 'best_statics'"),
