@@ -16,11 +16,12 @@ import numpy as np
 
 from antgym.console import main
 from antgym.maps.suites import load_suite
-from antgym.tuning.ledger import TRIALS, Ledger
+from antgym.tuning.ledger import MANIFEST, TRIALS, Ledger
 from experiments.contest import enter, jobs, play
 
 AGENTS, MAPS, SEEDS, BUDGET, FRESH = ("random_search", "ga", "published_default"), 2, 2, 12, 2
 KILLS, FULL, PAIRS = 20, 4, 3
+LONGER = 1.5  # than before is a board let be that had no time to write
 TORN = b'{"run":"ga/12/a line that the power'
 
 
@@ -69,13 +70,17 @@ def wait(seconds):
 
 
 def kills(root, seconds, rng):
-    """Kill boards at random moments, tear a line of every third; when one gets done, begin another."""
+    """Kill boards at random moments, tear a line of every third; when one gets done, begin another.
+
+    How long they are let be follows what they get done: machines are slower at one moment than at another.
+    """
     seen, number = {"killed": 0, "lost": 0, "repeated": 0, "boards": [], "kept": [], "said": []}, 0
+    longest = seconds / 2
     while seen["killed"] < KILLS:
         folder = root / f"killed-{number}"
         before = whole_lines(folder)
         pid = child(folder)
-        wait(rng.uniform(0, seconds / 2))
+        wait(rng.uniform(0, longest))
         os.kill(pid, signal.SIGKILL)
         code, said = ended(pid, folder)
         after = whole_lines(folder)
@@ -84,13 +89,15 @@ def kills(root, seconds, rng):
         if code == 0:
             seen["boards"].append(sorted(after))
             number += 1
+            longest /= LONGER
             continue
         assert code == -signal.SIGKILL, (code, said)
+        longest *= LONGER if len(after) == len(before) else 1
         seen["killed"] += 1
         seen["kept"].append(len(after))
         keys = [(line["run"], line["kind"], line.get("index")) for line in map(json.loads, after)]
         seen["repeated"] += len(keys) - len(set(keys))
-        if folder.exists() and seen["killed"] % 3 == 0:
+        if (folder / MANIFEST).exists() and seen["killed"] % 3 == 0:
             with (folder / TRIALS).open("ab") as file:
                 file.write(TORN)
     seen["boards"].append(finished(root / f"killed-{number}"))
