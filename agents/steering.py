@@ -149,7 +149,10 @@ class PolicyController:
 
 
 class HeldController(PolicyController):
-    """A published policy of Control whose first setting stays: by so much as it is worse, steering is worth it."""
+    """A published policy of Control whose first setting stays: what of its lead is owed to changing it shows beside it.
+
+    That is no more than a bound of what steering is worth: the first setting was not trained to stay.
+    """
 
     def act(self, observation: NDArray[np.float32]) -> Floats:
         """Return the setting that the policy asked for before the first block."""

@@ -11,7 +11,7 @@ in their seed alone, as out/steer-1 and out/steer-2 may, are shown together, too
 Stopped, the same command goes on; with more controllers, it plays those that are new.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -37,6 +37,7 @@ from experiments.presets import PRESETS
 from experiments.rehearsal import rehearse, rehearse_controllers
 from experiments.statistics import cluster_interval, paired_difference
 from experiments.steering import (
+    HELD,
     SCHEDULE,
     Entrant,
     Job,
@@ -45,6 +46,7 @@ from experiments.steering import (
     held,
     play,
     policy_hashes,
+    require_apart,
     steerable,
 )
 from experiments.tables.sheet import table
@@ -143,7 +145,9 @@ def _entrants(
     folder = _folder(arguments)
     spent = prepare(folder, arguments.suite, PRESETS[arguments.preset], known)
     found = controllers(enter(known, folder, spent), policies, arguments.against, changes)
-    return [*found, *(held(found) if arguments.held else [])]
+    found += held(found) if arguments.held else []
+    require_apart([entrant.name for entrant in found])
+    return found
 
 
 def gaps_of(entrant: Entrant, items: Sequence[SuiteItem], seeds: int, ledger: Ledger) -> NDArray[np.float64]:
@@ -163,7 +167,8 @@ def to_markdown(
 ) -> str:
     """Return the table: mean gaps in per cent, intervals over maps and seeds, differences paired by map.
 
-    Differences are to ``--against``, and to the schedule where it is raced; several trainings are shown as one, too.
+    Differences are to ``--against``, to the schedule where it is raced, and, with ``--held``, of a first setting that
+    stays to the policy that steers on from it; several trainings are shown as one, too.
     """
     gaps = {entrant.name: gaps_of(entrant, items, arguments.seeds, ledger) for entrant in entrants}
     spent = {entrant.name: entrant.training for entrant in entrants}
@@ -178,6 +183,7 @@ def to_markdown(
         "95 % interval",
         "solved",
         *(f"minus {one}" for one in against),
+        *(["minus steered"] if arguments.held else []),
         "training",
     ]
     rows = []
@@ -190,6 +196,7 @@ def to_markdown(
                 f"{100 * low:.2f} to {100 * high:.2f}",
                 f"{100 * (gaps[name] < 1).mean():.0f} %",
                 *("–" if name == one else _difference(gaps[name], gaps[one]) for one in against),
+                *([_lost(name, gaps)] if arguments.held else []),
                 "see the card" if spent[name] is None else f"{spent[name]:,}",
             ]
         )
@@ -200,6 +207,12 @@ def to_markdown(
 def _difference(own: NDArray[np.float64], static: NDArray[np.float64]) -> str:
     found = paired_difference(own, static)
     return f"{100 * found.mean:+.2f} [{100 * found.low:+.2f}, {100 * found.high:+.2f}]"
+
+
+def _lost(name: str, gaps: Mapping[str, NDArray[np.float64]]) -> str:
+    """Return what a first setting that stays loses to the policy that steers on from it."""
+    steered = name.removeprefix(HELD)
+    return "–" if steered == name else _difference(gaps[name], gaps[steered])
 
 
 def script() -> None:

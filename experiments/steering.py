@@ -44,7 +44,7 @@ from experiments.contest import failed, play_missing, told
 from experiments.headroom.schedules import family
 from experiments.stopwatch import UNLIKE
 
-SCHEDULE = "schedule"
+SCHEDULE, HELD = "schedule", "held:"
 
 
 class Entrant(NamedTuple):
@@ -59,7 +59,7 @@ class Entrant(NamedTuple):
     @property
     def steers(self) -> bool:
         """Whether it may change a setting within the run."""
-        return type(self.controller) not in (ConstantController, HeldController)
+        return type(self.controller) is not ConstantController
 
 
 class Job(NamedTuple):
@@ -228,12 +228,12 @@ def policy_entrant(name: str) -> Entrant:
 
 
 def held(entrants: Iterable[Entrant]) -> list[Entrant]:
-    """Return the policies of Control among those who steer once more, as held:NAME, whose first setting stays."""
+    """Return for each policy of Control among the entrants another, held:NAME, whose first setting stays."""
     found = []
     for name, controller, training, kind, _ in entrants:
-        if isinstance(controller, PolicyController):
+        if type(controller) is PolicyController:
             first = f"the setting of {name} for the first block, throughout"
-            found.append(Entrant(f"held:{name}", HeldController(controller.path), training, kind, first))
+            found.append(Entrant(HELD + name, HeldController(controller.path), training, kind, first))
     return found
 
 

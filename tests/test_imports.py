@@ -4,6 +4,7 @@ import ast
 import json
 import subprocess
 import sys
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 
@@ -102,6 +103,35 @@ def test_public_names_are_sorted_and_unique():
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="module 'antgym' has no attribute 'plna'"):
         antgym.plna  # noqa: B018
+
+
+def from_kernels(file):
+    """(module, name) of whatever a file takes from the kernels, by ``from … import`` or off an imported module."""
+    tree, modules = ast.parse(file.read_text(encoding="utf-8")), {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("antgym.kernels."):
+            yield from ((node.module, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module == "antgym.kernels":
+            modules |= {alias.name: f"antgym.kernels.{alias.name}" for alias in node.names}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in modules:
+            yield modules[node.value.id], node.attr
+
+
+def test_python_calls_only_kernels_that_have_a_way_to_be_called():
+    """Any other ends the process: it was compiled without."""
+    folders = [ROOT, *(ROOT.parent / name for name in ("agents", "experiments", "tests"))]
+    files = [
+        path for folder in folders for path in folder.rglob("*.py") if ROOT / "kernels" not in path.parents
+    ]
+    taken = {pair for file in files for pair in from_kernels(file)}
+    options = {
+        (module, name): getattr(getattr(import_module(module), name), "targetoptions", {})
+        for module, name in taken
+    }
+    assert ("antgym.kernels.ants", "plan_range") in options
+    assert ("antgym.kernels.floats", "log2") in options
+    assert [pair for pair, given in options.items() if given.get("no_cpython_wrapper")] == []
 
 
 def test_star_import_brings_the_public_names():

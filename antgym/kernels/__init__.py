@@ -51,19 +51,22 @@ def kernel(function: _Function) -> _Function:
     return _cached(function)
 
 
-def called(function: _Function) -> _Function:
-    """Compile and cache a function that kernels alone call: all would take a fifth longer with wrappers for Python."""
+def inner(function: _Function) -> _Function:
+    """Compile and cache a function that kernels alone call: with wrappers for Python all would take a quarter longer.
+
+    Called from Python, it ends the process.
+    """
     return _cached(function, **_UNWRAPPED)
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile a small function that the kernels alone call, in their inner loops."""
-    return formula(function, **_UNWRAPPED)
+    """Compile a small function that the kernels alone call, in their inner loops; from Python, it ends the process."""
+    return _inlined(function, **_UNWRAPPED)
 
 
-def formula(function: _Function, **options: bool) -> _Function:
-    """Compile a small function for the kernels' inner loops that Python may call, too: their twins must draw alike."""
-    return numba.njit(function, forceinline=True, **options, **_OPTIONS)
+def formula(function: _Function) -> _Function:
+    """Compile a small function for the kernels' inner loops that Python may call, too, as the tests' twins do."""
+    return _inlined(function)
 
 
 def _cached(function: _Function, **options: bool) -> _Function:
@@ -80,3 +83,7 @@ def _cached(function: _Function, **options: bool) -> _Function:
         return numba.njit(function, cache=True, **options, **_OPTIONS)
     finally:
         numba.config.CACHE_DIR = before
+
+
+def _inlined(function: _Function, **options: bool) -> _Function:
+    return numba.njit(function, forceinline=True, **options, **_OPTIONS)

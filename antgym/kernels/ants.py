@@ -19,7 +19,7 @@ go on in larger ones.
 
 import numpy as np
 
-from antgym.kernels import called, inlined, kernel
+from antgym.kernels import inlined, inner, kernel
 from antgym.kernels.floats import log2
 from antgym.kernels.layout import (
     BEST,
@@ -153,7 +153,7 @@ def _offset(run, table, part, k):
     return table[part, k, 0] * run.stride_x + table[part, k, 1] * run.stride_y + table[part, k, 2]
 
 
-@called
+@inner
 def advance(ground, run, moves, nodes, trail, history, until):
     """Walk iterations until ``until`` of them are done or the buffers may not suffice for the next step.
 
@@ -182,7 +182,7 @@ def advance(ground, run, moves, nodes, trail, history, until):
     return status[DONE]
 
 
-@called
+@inner
 def _march(ground, run, moves, nodes, trail):
     """Take all ants of one iteration to the goal, or to where they die, layer by layer: their draws overlap.
 
@@ -231,7 +231,7 @@ def _march(ground, run, moves, nodes, trail):
     return True
 
 
-@called
+@inner
 def _remember(run, trail, history):
     """Keep the shortest path so far and the iteration's statistics."""
     status, levels, done = trail.status, trail.levels, trail.status[DONE]

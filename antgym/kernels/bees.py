@@ -13,7 +13,7 @@ Numbers in parentheses are equations of wu2018.
 
 import numpy as np
 
-from antgym.kernels import called, inlined, kernel
+from antgym.kernels import inlined, inner, kernel
 from antgym.kernels.hive import BEST_GAP, BEST_LENGTH, BEST_VALUE, DONE, DRAWN, GAP, HITS, LENGTH, MADE
 from antgym.kernels.layout import History
 from antgym.kernels.rng import draw, unit
@@ -73,7 +73,7 @@ def begin(run, discs, comb):
     _memorise(run, comb)
 
 
-@called
+@inner
 def advance(run, discs, comb, history, until):
     """Fly cycles until ``until`` of them are done."""
     status = comb.status
@@ -93,7 +93,7 @@ def best_length(comb):
     return comb.levels[BEST_LENGTH] if comb.levels[BEST_GAP] > 0.0 else np.inf
 
 
-@called
+@inner
 def _forage(run, discs, comb, xi):
     """Send the employed bees to one source each, then the onlookers to sources in proportion to quality (10)."""
     x, y, radius = (
@@ -163,7 +163,7 @@ def _roulette(comb, mark):
     return s
 
 
-@called
+@inner
 def _memorise(run, comb):
     """Keep the path of the least f so far, the earlier on a tie."""
     for s in range(run.sources):
@@ -176,7 +176,7 @@ def _memorise(run, comb):
                     comb.best[axis, j] = comb.place[s, axis, j]
 
 
-@called
+@inner
 def _write(run, comb, history, done):
     """Write the history of a cycle."""
     total, clear = 0.0, 0

@@ -6,7 +6,7 @@ happens now, and looking at all of them would cost as much as walking.
 
 import numpy as np
 
-from antgym.kernels import called, inlined, kernel
+from antgym.kernels import inlined, inner, kernel
 from antgym.kernels.ants import advance
 from antgym.kernels.layout import (
     ARRIVED,
@@ -55,7 +55,7 @@ def walk_block(ground, runs, moves, nodes, trail, history, since, until, stale, 
     return done
 
 
-@called
+@inner
 def diagnose(run, nodes, trail, history, since, report):
     """Write the report on a colony that has walked at least one iteration since ``since``."""
     done, best = trail.status[DONE], trail.levels[BEST]

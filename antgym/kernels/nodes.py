@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from antgym.kernels import called, inlined, kernel
+from antgym.kernels import inlined, inner, kernel
 from antgym.kernels.floats import exp2, log2_wide
 from antgym.kernels.layout import (
     BLOCKED,
@@ -71,7 +71,7 @@ def rehash(nodes, count):
         nodes.place[row] = place
 
 
-@called
+@inner
 def _introduce(ground, run, moves, nodes, trail, row):
     """Make a new row and the rows around it known to each other, and count its moves."""
     cell = nodes.cell[row]
@@ -196,7 +196,7 @@ def pick(sums, row, uniform):
     return np.int64(LANES * (depth + np.int32(sums[row, lane + 2 * LANES] <= mark)) + lane)
 
 
-@called
+@inner
 def forget_weights(nodes, trail):
     """Let every row be weighed again at its next visit: alpha or beta changed, the pheromone did not."""
     for row in range(trail.status[ROWS]):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from antgym.kernels import called, inlined
+from antgym.kernels import inlined, inner
 from antgym.kernels.floats import exp2, log2_wide
 from antgym.kernels.layout import (
     BEST,
@@ -23,7 +23,7 @@ from antgym.kernels.layout import (
 from antgym.kernels.nodes import forget_weights
 
 
-@called
+@inner
 def deposit(run, moves, nodes, trail):
     """Let ants deposit on their edges (liu2020 (3)), and the best path so far its own, then renew powers."""
     ants, due = run.ants, 0
@@ -162,7 +162,7 @@ def renew(run, nodes, trail, due):
         nodes.weight[row, slot] = weight[i]
 
 
-@called
+@inner
 def fold(run, nodes, trail):
     """Multiply the scale into the pheromone before it leaves the floating range; rare."""
     levels = trail.levels

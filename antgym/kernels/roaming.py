@@ -8,7 +8,7 @@ draws the moves that are still open are weighed by themselves, which also finds 
 
 import numpy as np
 
-from antgym.kernels import called, inlined
+from antgym.kernels import inlined, inner
 from antgym.kernels.floats import exp2
 from antgym.kernels.layout import (
     ACTIVE,
@@ -38,7 +38,7 @@ TRIES = 4
 TRAPPED = np.int64(-1)
 
 
-@called
+@inner
 def roam(ground, run, moves, nodes, trail):
     """Take all ants of one iteration to the goal, or to where they die, one step each in turn.
 
@@ -78,7 +78,7 @@ def has_room(run, nodes, trail, rows, depth):
     return True
 
 
-@called
+@inner
 def _gather(run, nodes, trail):
     """Put all ants at the start with nothing on their tabu lists but it."""
     for row in range(trail.status[ROWS]):
@@ -138,7 +138,7 @@ def _choose(ground, run, moves, nodes, trail, goal, row, a, bits):
     return _among_open(ground, run, moves, nodes, trail, goal, row, a, is_greedy, high_uniform(bits))
 
 
-@called
+@inner
 def _among_open(ground, run, moves, nodes, trail, goal, row, a, is_greedy, uniform):
     """Return the best of the moves still open to an ant, or one drawn among them; TRAPPED where there is none."""
     weight, sums, tau, eta = nodes.spare[0], nodes.spare[1], nodes.scratch, nodes.eta
@@ -198,7 +198,7 @@ def _is_marked(nodes, row, a):
     return (nodes.seen[row, a >> 6] >> np.uint64(a & 63)) & _ONE64 != 0
 
 
-@called
+@inner
 def measure(run, moves, trail):
     """Add up the lengths of the paths from the start on, as the optimum is added up."""
     ants = run.ants

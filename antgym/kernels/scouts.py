@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from antgym.kernels import called, inlined
+from antgym.kernels import inlined, inner
 from antgym.kernels.hive import DRAWN, LISTED, STAMP
 from antgym.kernels.rng import below, draw, unit
 from antgym.kernels.segments import measure
@@ -18,7 +18,7 @@ def coordinate(run, s, bits):
     return number & 1, 1 + (number >> 1), other + (1 if other >= s else 0)
 
 
-@called
+@inner
 def scout(run, discs, comb, xi):
     """Abandon the source that was tried most often in vain, one a cycle, if that was ``limit`` times."""
     kept = -1
@@ -43,7 +43,7 @@ def scout(run, discs, comb, xi):
     measure(run, discs, comb, worst)
 
 
-@called
+@inner
 def draw_path(run, comb, s):
     """Draw all way-points of a source uniformly within the bounds, (7)."""
     drawn = np.uint64(comb.status[DRAWN])
@@ -54,7 +54,7 @@ def draw_path(run, comb, s):
     comb.status[DRAWN] += 2 * run.points
 
 
-@called
+@inner
 def _draw_step(run, comb, s, xi):
     """Move one coordinate of a source, for better or worse, (9)."""
     first = np.uint64(comb.status[DRAWN])
@@ -67,7 +67,7 @@ def _draw_step(run, comb, s, xi):
     comb.place[s, axis, w] = low if moved < low else (high if moved > high else moved)
 
 
-@called
+@inner
 def _forbid(run, comb, s):
     """Put a source on the tabu list, in the place of the entry that was listed or hit longest ago."""
     if run.tabu == 0:
@@ -86,7 +86,7 @@ def _forbid(run, comb, s):
     comb.stamp[entry] = comb.status[STAMP]
 
 
-@called
+@inner
 def _is_tabu(run, comb, s):
     """Whether a source lies within the radius of a tabu entry; the first such entry counts as new."""
     for e in range(comb.status[LISTED]):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from antgym.kernels import called, formula, inlined
+from antgym.kernels import formula, inlined, inner
 from antgym.kernels.hive import GAP, HITS, LANES, LENGTH, MADE
 
 TINY = 1e-300  # a segment whose squared length is below it is a point: the reciprocal must stay finite
@@ -66,7 +66,7 @@ def cost(run, length, gap, hits):
     return (b + root) / (2.0 * d) if b > 0.0 or inside <= 0.0 else 2.0 * both / (root - b)
 
 
-@called
+@inner
 def measure(run, discs, comb, s):
     """Measure a whole path."""
     x, y, radius = (
@@ -88,7 +88,7 @@ def measure(run, discs, comb, s):
     add_up(run, comb, s)
 
 
-@called
+@inner
 def add_up(run, comb, s):
     """Add up the segments of a source from the start on and from the goal back, and its cost."""
     before, after, last = comb.before, comb.after, run.points + 1

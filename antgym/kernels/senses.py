@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from antgym.kernels import called, inlined
+from antgym.kernels import inlined, inner
 from antgym.kernels.bits import is_free
 from antgym.kernels.floats import log2
 from antgym.kernels.layout import BLOCKED, LOOKAHEAD, WIDTH
@@ -57,7 +57,7 @@ def _mean_step(run, moves, eta, row):
     return total / _F(max(count, 1))
 
 
-@called
+@inner
 def _attract_and_repel(ground, run, moves, eta, row, cell):
     """Add the attraction of the goal and the repulsion of obstacles to log2 η (zhang_apf (6), (7))."""
     x, y, z = coordinates(run, cell)
@@ -98,7 +98,7 @@ def is_legal(ground, run, moves, cell, y, z, left, k):
     return legal
 
 
-@called
+@inner
 def leads_on(ground, run, moves, cell, y, z, left):
     """Whether any move leads on from a cell."""
     found = False
@@ -107,7 +107,7 @@ def leads_on(ground, run, moves, cell, y, z, left):
     return found
 
 
-@called
+@inner
 def census(ground, run, moves, cell):
     """Return how many moves lead on from a cell, and the length of the shortest."""
     x, y, z = coordinates(run, cell)

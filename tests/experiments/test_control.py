@@ -102,7 +102,9 @@ def test_trainings_that_differ_in_their_seed_are_shown_as_one_too(asked, tmp_pat
 def test_a_policy_is_raced_against_its_own_first_setting(asked):
     """The same setting for all blocks, that of the policy for the first."""
     arguments = asked("open-control", "open-one-shot", held=True)
-    assert "`held:open-control`" in race(arguments)
+    rows = {cells[1]: cells for line in race(arguments).splitlines() if len(cells := line.split("|")) > 3}
+    assert rows[" `held:open-control` "][6].strip().endswith("]")
+    assert rows[" `open-control` "][6].strip() == "–"
     units = {line["run"]: line["unit"] for line in map(json.loads, outcomes(arguments))}
     steered = [run for run in units if run.startswith("open-control/")]
     assert len(steered) == 6

@@ -38,7 +38,7 @@ def harm(tmp_path_factory):
 def test_killed_at_twenty_moments_a_board_loses_no_line_and_repeats_none(harm):
     kills = harm["kills"]
     assert (kills["killed"], kills["lost"], kills["repeated"]) == (20, 0, 0)
-    assert len(set(kills["kept"])) > 2, "the moments were much the same"  # lines are written in a few batches
+    assert any(0 < kept < len(harm["whole"]) for kept in kills["kept"]), "none was killed half way"
     assert all(board == harm["whole"] for board in kills["boards"])
 
 

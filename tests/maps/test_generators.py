@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import random_scenario
+from conftest import random_grid, random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -103,9 +103,9 @@ def arrival_by_recursion(scenario, cell):
 
 
 @settings(max_examples=20, deadline=None)
-@given(seed=SEEDS, blocked=st.floats(0.2, 0.7))
-def test_random_arrival_is_to_the_bit_the_sum_over_all_walks(seed, blocked):
-    scenario = random_scenario(seed, size=5, blocked=blocked)
+@given(seed=SEEDS, blocked=st.floats(0.2, 0.7), check_segments=st.booleans())
+def test_random_arrival_is_to_the_bit_the_sum_over_all_walks(seed, blocked, check_segments):
+    scenario = random_scenario(seed, size=5, blocked=blocked, check_segments=check_segments)
     assert random_arrival(scenario) == arrival_by_recursion(scenario, scenario.start)
 
 
@@ -118,6 +118,12 @@ def test_random_ants_arrive_exactly_where_a_path_exists(seed):
     except ScenarioError:
         solvable = False
     assert (random_arrival(scenario) > 0) == solvable
+
+
+@pytest.mark.parametrize("motion", [motion for motion in MOTIONS if not motion.layered])
+def test_where_ants_may_come_back_nothing_is_said_of_how_many_arrive(motion):
+    with pytest.raises(ScenarioError, match=f"the {motion.name} motion has no layers"):
+        random_arrival(random_grid(0, motion))
 
 
 def test_random_ants_cannot_get_lost_in_an_open_world():

@@ -14,6 +14,7 @@ from reference import remembered, textbook, twin
 from scenarios import GRIDS
 
 from antgym import kernels
+from antgym.maps.generators import random_arrival
 from antgym.maps.motion import Motion
 from antgym.maps.world import GridWorld, Scenario
 from antgym.planners.colony import Colony, plan, plan_many
@@ -128,6 +129,7 @@ def test_kernels_compile_once():
     )
     for motion in (Motion(), Motion("grid8"), Motion("grid4", corners="cut"), Motion("grid26")):
         _ = Scenario(GridWorld(np.ones((5, 5))), (0, 0), (4, 4), motion).optimum
+    random_arrival(random_scenario(0))
     Colony(grids[0]).advance((1, 1, 0.5, 1), 2)
     modules = [
         import_module(f"{kernels.__name__}.{each.name}") for each in pkgutil.iter_modules(kernels.__path__)
@@ -144,7 +146,8 @@ def test_kernels_compile_once():
         "ants.plan_range",
         "ants.begin",
         "diagnosis.walk_block",
+        "paths.layered_arrival",
         "paths.layered_distances",
         "paths.grid_search",
     )
-    assert [compiled[f"antgym.kernels.{entry}"] for entry in entries] == [1] * 5
+    assert [compiled[f"antgym.kernels.{entry}"] for entry in entries] == [1] * 6

@@ -76,9 +76,14 @@ def has_path(scenario: Scenario) -> bool:
 
 
 def random_arrival(scenario: Scenario) -> float:
-    """Return the exact probability that an ant that takes every legal move equally often arrives."""
+    """Return the exact probability that an ant that takes every legal move equally often arrives.
+
+    Raises:
+        ScenarioError: if the motion is not layered: an ant that may come back need not end at all.
+    """
     from antgym.kernels.paths import layered_arrival
 
+    _ = scenario.layers  # refuses any other motion
     table, strides = move_table(scenario.motion), np.array(scenario.world.strides)
     return float(
         layered_arrival(
