@@ -21,8 +21,6 @@ import tyro
 from numpy.typing import NDArray
 
 import agents
-from agents.published import read_card
-from agents.shipped import find_policy
 from agents.steering import PolicyController, Schedule
 from antgym.console import main, parse, progress, write_whole
 from antgym.errors import ParameterError
@@ -43,11 +41,10 @@ from experiments.steering import (
     Job,
     card_schedule,
     controllers,
-    held,
     play,
     policy_hashes,
-    require_apart,
     steerable,
+    with_held,
 )
 from experiments.tables.sheet import table
 from experiments.trainings import trainings
@@ -92,8 +89,8 @@ def race(arguments: Arguments) -> str:
     policies = list(dict.fromkeys(str(policy_file(name, folder)) for name in named))
     require_there(known, folder, arguments.suite, makes=MAKEABLE)
     rehearse(known, folder, items[0], 0)
-    rehearse_controllers(policies, items[0], known)
-    if arguments.held and not any(read_card(find_policy(name)).regime == "Control" for name in policies):
+    rehearsed = rehearse_controllers(policies, items[0], known)
+    if arguments.held and not any(entrant.steers for entrant in rehearsed):
         raise ParameterError("--held: no policy of Control is raced; name one, as open-control")
     changes = card_schedule(arguments.suite) if SCHEDULE in names else None
     config = {
@@ -145,9 +142,7 @@ def _entrants(
     folder = _folder(arguments)
     spent = prepare(folder, arguments.suite, PRESETS[arguments.preset], known)
     found = controllers(enter(known, folder, spent), policies, arguments.against, changes)
-    found += held(found) if arguments.held else []
-    require_apart([entrant.name for entrant in found])
-    return found
+    return with_held(found) if arguments.held else found
 
 
 def gaps_of(entrant: Entrant, items: Sequence[SuiteItem], seeds: int, ledger: Ledger) -> NDArray[np.float64]:

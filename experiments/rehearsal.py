@@ -39,8 +39,10 @@ def rehearse(names: Iterable[str], folder: Path, item: SuiteItem, budget: int) -
             raise ParameterError(f"agent {name!r}: {error}") from None
 
 
-def rehearse_controllers(policies: Iterable[str], item: SuiteItem, others: Iterable[str]) -> None:
-    """Ask policies for what they would set in the first block of a run, which is not played.
+def rehearse_controllers(
+    policies: Iterable[str], item: SuiteItem, others: Iterable[str]
+) -> list[steering.Entrant]:
+    """Ask policies for what they would set in the first block of a run, which is not played; return who they are.
 
     Args:
         policies: their files, or names of those that are shipped.
@@ -60,3 +62,4 @@ def rehearse_controllers(policies: Iterable[str], item: SuiteItem, others: Itera
         session.open(BLOCKS)
         assert session.opened is not None
         controller.act(observe_run(session.task, session.opened))
+    return entrants

@@ -227,13 +227,14 @@ def policy_entrant(name: str) -> Entrant:
     return Entrant(stem_of(path).name, controller, training, "agent", f"published policy of {card.regime}")
 
 
-def held(entrants: Iterable[Entrant]) -> list[Entrant]:
-    """Return for each policy of Control among the entrants another, held:NAME, whose first setting stays."""
-    found = []
+def with_held(entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Return the entrants, and for each policy of Control among them another, held:NAME, whose first setting stays."""
+    found = [*entrants]
     for name, controller, training, kind, _ in entrants:
         if type(controller) is PolicyController:
             first = f"the setting of {name} for the first block, throughout"
             found.append(Entrant(HELD + name, HeldController(controller.path), training, kind, first))
+    require_apart([entrant.name for entrant in found])
     return found
 
 

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antgym.maps.measures import NEAR, TIPS, measure
-from antgym.maps.moves import PATIENCE, ROUND_ABOUT, legal_moves, within_reach
+from antgym.maps.moves import PATIENCE, ROUND_ABOUT
 from antgym.maps.surroundings import ASIDE, FARTHEST, SAMPLE
 from antgym.maps.world import Scenario
 
-__all__ = ["FEATURES", "Feature", "describe", "feature_table", "legal_moves", "within_reach"]
+__all__ = ["FEATURES", "Feature", "describe", "feature_table"]
 
 
 class Feature(NamedTuple):

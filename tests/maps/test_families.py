@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_closing, label
 
-from antgym.maps.features import legal_moves
 from antgym.maps.generators import FAMILIES
 from antgym.maps.generators.draws import has_path
 from antgym.maps.generators.solids import bowl, box, cup, nothing
 from antgym.maps.motion import Motion, move_table, step_lengths
+from antgym.maps.moves import legal_moves
 from antgym.maps.world import GridWorld, Scenario
 
 FLAT = ("rooms", "mazes", "clutter", "warehouse")

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antgym.errors import MapError, ScenarioError
-from antgym.maps.features import legal_moves
 from antgym.maps.formats.elevation import HeightField, jacksboro
 from antgym.maps.generators import FAMILIES, RARELY, random_arrival, terrain_windows
 from antgym.maps.generators.draws import unobstructed
 from antgym.maps.motion import MOTIONS, Motion, move_table
+from antgym.maps.moves import legal_moves
 from antgym.maps.world import GridWorld, Scenario
 
 SEEDS = st.integers(0, 2**32 - 1)
